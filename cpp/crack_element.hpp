@@ -1,0 +1,112 @@
+#pragma once
+// The finite element of V_h on one triangle or boundary edge: φ_i, ½(H - s_i) φ_i and χ F_j  (method.md, section 3).
+//
+// The Heaviside functions are shifted by the sign s_i of the larger part of the support of φ_i: ½(H - s_i) φ_i spans
+// with φ_i what H φ_i does, vanishes on the larger part, and has the jump φ_i, so its coefficient is the nodal jump.
+
+#include "cracked_mesh.hpp"
+#include "tip_functions.hpp"
+
+namespace ngsxfem_contact
+{
+  using ngfem::FiniteElement, ngfem::BaseScalarFiniteElement;
+
+  struct HeavisideFunction
+  {
+    int local;          // which φ_i of the element
+    int shift;          // s_i
+    size_t crack;
+    int side;           // of this element with respect to the crack; 0 if the crack divides it or runs along it
+
+    double Value (int h) const { return 0.5*(h-shift); }
+  };
+
+  /// Where a function that jumps is evaluated. On Γ_C a point has no side of its own.
+  enum class Trace { Position, Plus, Minus, Jump, Larger };
+
+  class CrackFiniteElement : public FiniteElement
+  {
+    const BaseScalarFiniteElement & scalar;
+    ngcore::FlatArray<HeavisideFunction> heaviside;
+    ngcore::FlatArray<const TipFunctions*> tips;
+    const CrackedMesh & body;
+    const ElementLocation * location;
+
+  public:
+    CrackFiniteElement (const BaseScalarFiniteElement & ascalar, ngcore::FlatArray<HeavisideFunction> aheaviside,
+                        ngcore::FlatArray<const TipFunctions*> atips, const CrackedMesh & abody, const ElementLocation * alocation)
+      : FiniteElement(0, ascalar.Order()), scalar(ascalar), heaviside(aheaviside), tips(atips), body(abody), location(alocation)
+    {
+      ndof = 2*NumScalar() + NumTip();
+    }
+
+    ngfem::ELEMENT_TYPE ElementType() const override { return scalar.ElementType(); }
+    string ClassName() const override { return "CrackFiniteElement"; }
+
+    /// Dofs: the scalar functions (φ_i, then ½(H - s_i) φ_i) for x, the same for y, the tips' vector fields.
+    size_t NumScalar () const { return scalar.GetNDof() + heaviside.Size(); }
+    size_t NumTip () const
+    {
+      size_t n = 0;
+      for (auto tip : tips) n += tip->Size();
+      return n;
+    }
+
+    const BaseScalarFiniteElement & Scalar() const { return scalar; }
+    ngcore::FlatArray<HeavisideFunction> Heaviside() const { return heaviside; }
+    ngcore::FlatArray<const TipFunctions*> Tips() const { return tips; }
+
+    /// Whether all functions are multiples of φ_i on this element.
+    bool IsPolynomial (Trace trace) const
+    {
+      if (tips.Size()) return false;
+      if (trace == Trace::Position)
+        for (auto & function : heaviside)
+          if (function.side == 0) return false;
+      return true;
+    }
+
+    /// The factor of φ_i at x; needs no x if IsPolynomial.
+    double HeavisideFactor (const HeavisideFunction & function, Trace trace, Point x) const
+    {
+      if (function.side) return trace == Trace::Jump ? 0 : function.Value(function.side);
+      switch (trace)
+        {
+        case Trace::Position: return function.Value(int(body.GetCrack(function.crack).SideOf(x)));
+        case Trace::Jump: return function.Value(1) - function.Value(-1);
+        default: return function.Value(ForcedSide(trace));
+        }
+    }
+
+    int ForcedSide (Trace trace) const
+    {
+      switch (trace)
+        {
+        case Trace::Plus: return 1;
+        case Trace::Minus: return -1;
+        case Trace::Larger: return location ? int(location->Larger()) : 0;
+        default: return 0;
+        }
+    }
+
+    /// visit(number of the dof, vector field with gradient) for every function of the tips at x.
+    template <typename T, typename F>
+    void VisitTipFunctions (Vec<2,T> x, Trace trace, F && visit) const
+    {
+      Vec<2,AutoDiff<2,T>> values[TipFunctions::max_functions], minus[TipFunctions::max_functions];
+      size_t dof = 2*NumScalar();
+      for (auto tip : tips)
+        {
+          tip->Evaluate(x, trace == Trace::Jump ? 1 : ForcedSide(trace), values);
+          if (trace == Trace::Jump)
+            {
+              tip->Evaluate(x, -1, minus);
+              for (int m = 0; m < tip->Size(); m++)
+                for (int k = 0; k < 2; k++) values[m](k) -= minus[m](k);
+            }
+          for (int m = 0; m < tip->Size(); m++)
+            visit(dof++, values[m]);
+        }
+    }
+  };
+}

@@ -1,0 +1,67 @@
+#pragma once
+// V_h: the cut-off XFEM space (method.md, section 3), one vector-valued space.
+
+#include "diffops.hpp"
+
+namespace ngsxfem_contact
+{
+  using ngcore::Array, ngcore::Flags, ngcomp::DofId;
+
+  class CrackFESpace : public ngcomp::FESpace
+  {
+    shared_ptr<CrackedMesh> body;
+    double tolerance;                                 // of the rules around the tips
+    shared_ptr<ngcomp::FESpace> scalar;               // P_k
+    std::vector<std::optional<TipFunctions>> tips;    // by tip of the body
+    std::vector<size_t> first_tip_dof;
+
+    struct Enrichment { DofId dof; size_t crack; int shift; };
+    std::vector<Enrichment> enrichment;               // N_H
+    struct ElementFunctions
+    {
+      std::vector<HeavisideFunction> heaviside;
+      std::vector<size_t> global;                     // positions in enrichment
+      std::vector<const TipFunctions*> tips;
+      std::vector<size_t> tip_dofs;
+    };
+    std::map<size_t, ElementFunctions> functions[2];  // VOL, BND: elements with more than the φ_i
+
+  public:
+    /// tips: one entry for each tip of the body, empty where there shall be no singular functions, or none at all.
+    /// Throws for a disk r1 that does not fit its tip's clearance.
+    CrackFESpace (shared_ptr<CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags);
+
+    string GetClassName () const override { return "CrackFESpace"; }
+    shared_ptr<CrackedMesh> GetBody() const { return body; }
+    shared_ptr<ngcomp::FESpace> GetScalar() const { return scalar; }
+    std::vector<std::optional<TipSpec>> TipSpecs() const;
+    double Tolerance() const { return tolerance; }
+
+    void Update () override;
+    void UpdateCouplingDofArray () override;
+    FiniteElement & GetFE (ElementId ei, ngcore::Allocator & alloc) const override;
+    void GetDofNrs (ElementId ei, Array<DofId> & dnums) const override;
+    void GetDofNrs (ngcomp::NodeId ni, Array<DofId> & dnums) const override;
+
+    /// Dofs: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the same for y, the tips.
+    size_t NumScalar () const { return scalar->GetNDof(); }
+    size_t NumHeaviside () const { return enrichment.size(); }
+    DofId HeavisideDof (size_t j, int component) const { return 2*NumScalar() + component*NumHeaviside() + j; }
+    /// The number of φ_i, and s_i, of the j-th Heaviside function.
+    std::pair<DofId, int> Heaviside (size_t j) const { return { enrichment[j].dof, enrichment[j].shift }; }
+    size_t HeavisideCrack (size_t j) const { return enrichment[j].crack; }
+    std::vector<DofId> TipDofs (size_t tip) const;
+
+  private:
+    void SetTips (const std::vector<std::optional<TipSpec>> & specs);
+    void FindEnrichment ();
+    void EnrichNode (ngcomp::NodeId node, size_t crack);
+    Array<int> Support (ngcomp::NodeId node) const;
+    bool HoldsTip (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
+    bool IsCrossed (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
+    std::pair<double,double> SupportAreas (FlatArray<int> support, size_t crack) const;
+    void CollectHeaviside (VorB vb);
+    void CollectTips ();
+    int SideOfElement (ElementId ei, size_t crack) const;
+  };
+}

@@ -1,0 +1,39 @@
+#include "crack_normal.hpp"
+
+namespace ngsxfem_contact
+{
+  using namespace ngfem;
+
+  CrackFrame :: CrackFrame (shared_ptr<CrackedMesh> abody, bool atangent)
+    : CoefficientFunctionNoDerivative(2), body(abody), tangent(atangent) { }
+
+  Point CrackFrame :: At (size_t element, Point x) const
+  {
+    size_t crack = 0;
+    if (body->Find(element)) crack = body->CrackOf(element);
+    else
+      for (size_t c = 1; c < body->NumCracks(); c++)
+        if (body->GetCrack(c).Nearest(x).distance < body->GetCrack(crack).Nearest(x).distance) crack = c;
+    auto & curve = body->GetCrack(crack);
+    size_t segment = curve.Nearest(x).segment;
+    return tangent ? curve.Tangent(segment) : curve.Normal(segment);
+  }
+
+  double CrackFrame :: Evaluate (const BaseMappedIntegrationPoint &) const
+  { throw ngcore::Exception("the crack's frame is a vector; take a component"); }
+
+  void CrackFrame :: Evaluate (const BaseMappedIntegrationPoint & ip, FlatVector<> result) const
+  {
+    auto x = ip.GetPoint();
+    result = At(ip.GetTransformation().GetElementNr(), Point(x(0), x(1)));
+  }
+
+  void CrackFrame :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  {
+    auto x = mir.GetPoints();
+    size_t element = mir.GetTransformation().GetElementNr();
+    for (size_t i = 0; i < mir.Size(); i++)
+      for (int k = 0; k < 2; k++)
+        values(k, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane]))(k); });
+  }
+}

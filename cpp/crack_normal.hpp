@@ -1,0 +1,24 @@
+#pragma once
+// The unit normal and tangent of the nearest point of Γ_C as coefficient functions.
+
+#include "cracked_mesh.hpp"
+#include <coefficient.hpp>
+
+namespace ngsxfem_contact
+{
+  /// n (tangent = false) or t of the crack of the element; elsewhere of the nearest crack.
+  class CrackFrame : public ngfem::CoefficientFunctionNoDerivative
+  {
+    shared_ptr<CrackedMesh> body;
+    bool tangent;
+  public:
+    CrackFrame (shared_ptr<CrackedMesh> abody, bool atangent);
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
+    void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
+  private:
+    Point At (size_t element, Point x) const;
+  };
+
+}

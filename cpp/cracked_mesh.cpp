@@ -1,0 +1,201 @@
+#include "cracked_mesh.hpp"
+#include <algorithm>
+
+namespace ngsxfem_contact
+{
+  using ngcore::Exception;
+  using ngfem::IntegrationRule, ngfem::IntegrationPoint;
+
+  CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks)
+    : mesh(amesh), cracks(std::move(acracks))
+  {
+    if (cracks.empty()) throw Exception("CrackedMesh: give at least one crack");
+    locations.reserve(cracks.size());
+    for (auto & crack : cracks)
+      locations.emplace_back(*mesh, crack);
+    CheckDistinct();
+    FindTips();
+  }
+
+  void CrackedMesh :: CheckDistinct ()
+  {
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (auto & location : locations[c].Elements())
+        if (auto [it, is_new] = crack_of_element.insert({ location.element, c }); !is_new)
+          throw Exception("CrackedMesh: cracks " + std::to_string(it->second) + " and " + std::to_string(c)
+                          + " meet the same element near " + ToString(location.triangle[0])
+                          + "; refine the mesh there, or join or separate the cracks (crossing and branching are not supported)");
+  }
+
+  void CrackedMesh :: FindTips ()
+  {
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (auto & end : locations[c].Ends())
+        if (end.kind == EndKind::Tip)
+          {
+            bool at_end = end.s > 0;
+            Point t = cracks[c].Tangent(at_end ? cracks[c].NumSegments()-1 : 0);
+            tips.push_back({ c, end.s, end.point, at_end ? t : Point(-1*t), at_end ? 1 : -1, 0, "" });
+          }
+    for (auto & tip : tips) SetClearance(tip);
+    tip_quadrature.resize(tips.size());
+  }
+
+  void CrackedMesh :: SetClearance (Tip & tip) const
+  {
+    tip.clearance = std::numeric_limits<double>::infinity();
+    auto limit = [&] (double distance, std::string what)
+    { if (distance < tip.clearance) { tip.clearance = distance; tip.limit = what; } };
+    for (size_t i = 0; i < mesh->GetNE(BND); i++)
+      {
+        auto v = mesh->GetElement(ElementId(BND, i)).Vertices();
+        limit(Distance(tip.point, mesh->GetPoint<2>(v[0]), mesh->GetPoint<2>(v[1])), "the boundary of the body");
+      }
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (size_t i = 0; i < cracks[c].NumSegments(); i++)
+        {
+          bool own = c == tip.crack && i == (tip.s > 0 ? cracks[c].NumSegments()-1 : 0);
+          if (!own) limit(Distance(tip.point, cracks[c].Points()[i], cracks[c].Points()[i+1]),
+                          c == tip.crack ? "another segment of the same crack" : "crack " + std::to_string(c));
+        }
+    for (auto & other : tips)
+      if (&other != &tip) limit(0.5*Norm(Point(other.point-tip.point)), "half the way to the tip at " + ToString(other.point));
+  }
+
+  const ElementLocation * CrackedMesh :: Find (size_t element) const
+  {
+    auto it = crack_of_element.find(element);
+    return it == crack_of_element.end() ? nullptr : locations[it->second].Find(element);
+  }
+
+  shared_ptr<ngcore::BitArray> CrackedMesh :: CrackElements (std::optional<size_t> crack) const
+  {
+    auto elements = make_shared<ngcore::BitArray>(mesh->GetNE(VOL));
+    elements->Clear();
+    for (auto [element, c] : crack_of_element)
+      if (!crack || *crack == c) elements->SetBit(element);
+    return elements;
+  }
+
+  void CrackedMesh :: RequireTipQuadrature (size_t tip, std::set<double> breaks, double tolerance)
+  {
+    std::lock_guard guard(rule_mutex);
+    auto & quadrature = tip_quadrature.at(tip);
+    if (!quadrature) quadrature = TipQuadrature { tips[tip].point, {}, tolerance };
+    quadrature->breaks.merge(breaks);
+    quadrature->tolerance = std::min(quadrature->tolerance, tolerance);
+    rule_tables.clear();
+  }
+
+  shared_ptr<const RuleTable> CrackedMesh :: Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes) const
+  {
+    std::lock_guard guard(rule_mutex);
+    auto & table = rule_tables[RuleKey(domain, vb, order, nodes)];
+    if (!table)
+      {
+        if (vb == BND) table = MakeBoundaryTable(order);
+        else if (domain == Domain::Crack) table = MakeCrackTable(order, nodes);
+        else table = MakeVolumeTable(domain, order);
+      }
+    return table;
+  }
+
+  const TipQuadrature * CrackedMesh :: TipQuadratureAt (const Triangle & t) const
+  {
+    for (auto & quadrature : tip_quadrature)
+      if (quadrature && DistanceToTriangle(quadrature->tip, t) < quadrature->Radius()) return &*quadrature;
+    return nullptr;
+  }
+
+  std::unique_ptr<ElementRule> CrackedMesh :: MakeRule (const PointRule & points, const Triangle & t) const
+  {
+    // x = t[2] + ξ (t[0]-t[2]) + η (t[1]-t[2])
+    Point a = t[0]-t[2], b = t[1]-t[2];
+    double det = Cross(a, b);
+    IntegrationRule ir;
+    for (auto & [p, weight] : points)
+      {
+        Point d = p-t[2];
+        ir.Append(IntegrationPoint(Cross(d, b)/det, Cross(a, d)/det, 0, weight/std::abs(det)));
+      }
+    ir.SetDim(2);
+    return std::make_unique<ElementRule>(std::move(ir));
+  }
+
+  std::unique_ptr<ElementRule> CrackedMesh :: MakeVolumeRule (Domain domain, size_t element, int order) const
+  {
+    auto location = Find(element);
+    auto t = VerticesOf(*mesh, element);
+    auto tip = TipQuadratureAt(t);
+    PointRule points;
+    auto append = [&] (const Triangle & part)
+    { tip ? AppendTriangleNearTip(part, order, *tip, points) : AppendTriangle(part, order, points); };
+    if (location)
+      {
+        for (auto & piece : location->pieces)
+          if (domain == Domain::Bulk || piece.side == location->Larger()) append(piece.triangle);
+      }
+    else
+      append(t);
+    return MakeRule(points, t);
+  }
+
+  shared_ptr<RuleTable> CrackedMesh :: MakeVolumeTable (Domain domain, int order) const
+  {
+    auto table = make_shared<RuleTable>(mesh->GetNE(VOL));
+    for (size_t element = 0; element < mesh->GetNE(VOL); element++)
+      if (crack_of_element.count(element) || TipQuadratureAt(VerticesOf(*mesh, element)))
+        table->Add(element, MakeVolumeRule(domain, element, order));
+    return table;
+  }
+
+  std::unique_ptr<ElementRule> CrackedMesh :: MakeCrackRule (const ElementLocation & location, const Crack & crack, int order,
+                                                             const std::vector<double> & nodes) const
+  {
+    PointRule points;
+    auto tip = TipQuadratureAt(location.triangle);
+    for (auto & chord : location.chords)
+      {
+        std::vector<double> cuts { chord.s0 };
+        for (double s : nodes)
+          if (s > chord.s0 + geometric_tolerance*location.h && s < chord.s1 - geometric_tolerance*location.h) cuts.push_back(s);
+        cuts.push_back(chord.s1);
+        for (size_t i = 0; i+1 < cuts.size(); i++)
+          {
+            auto at = [&] (double s) { return Point(crack.Points()[chord.segment] + (s-crack.ArcLength(chord.segment))*crack.Tangent(chord.segment)); };
+            AppendSegment(at(cuts[i]), at(cuts[i+1]), order, tip, location.h, points);
+          }
+      }
+    return MakeRule(points, location.triangle);
+  }
+
+  shared_ptr<RuleTable> CrackedMesh :: MakeCrackTable (int order, const CrackNodes & nodes) const
+  {
+    auto table = make_shared<RuleTable>(mesh->GetNE(VOL));
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (auto & location : locations[c].Elements())
+        table->Add(location.element, MakeCrackRule(location, cracks[c], order, c < nodes.size() ? nodes[c] : std::vector<double>()));
+    return table;
+  }
+
+  std::unique_ptr<ElementRule> CrackedMesh :: MakeBoundaryRule (const CutBoundaryEdge & edge, int order) const
+  {
+    double t = Norm(Point(edge.mouth-edge.a)) / Norm(Point(edge.b-edge.a));
+    IntegrationRule ir;
+    // the reference segment runs from the second vertex (0) to the first (1)
+    for (auto [lo, hi] : { std::pair(0.0, 1-t), std::pair(1-t, 1.0) })
+      for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, order))
+        ir.Append(IntegrationPoint(lo+(hi-lo)*ip(0), 0, 0, (hi-lo)*ip.Weight()));
+    ir.SetDim(1);
+    return std::make_unique<ElementRule>(std::move(ir));
+  }
+
+  shared_ptr<RuleTable> CrackedMesh :: MakeBoundaryTable (int order) const
+  {
+    auto table = make_shared<RuleTable>(mesh->GetNE(BND));
+    for (auto & location : locations)
+      for (auto & [element, edge] : location.BoundaryEdges())
+        table->Add(element, MakeBoundaryRule(edge, order));
+    return table;
+  }
+}

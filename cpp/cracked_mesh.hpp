@@ -1,0 +1,101 @@
+#pragma once
+// A mesh with its cracks: where they lie, their tips, and the integration rules of its measures.
+
+#include "cut_rule.hpp"
+#include <memory>
+#include <mutex>
+
+namespace ngsxfem_contact
+{
+  using ngfem::ElementId, ngfem::VorB, ngfem::VOL, ngfem::BND;
+
+  /// What a measure integrates over: Ω∖Γ_C (and ∂Ω), the larger part of each element that a crack divides, or Γ_C.
+  enum class Domain { Bulk, Larger, Crack };
+
+  /// Arc lengths of points on each crack.
+  using CrackNodes = std::vector<std::vector<double>>;
+
+  struct Tip
+  {
+    size_t crack;
+    double s;                    // its arc length: 0 or the crack's length
+    Point point, ahead;          // ahead: the direction in which the crack would grow
+    int plus_sign;               // the sign of θ on the plus side, θ = 0 ahead
+    double clearance;            // to ∂Ω, to other cracks, to the next kink, and half the way to other tips
+    std::string limit;           // what sets the clearance
+  };
+
+  /// A rule in reference coordinates: weights times the element's measure give physical lengths and areas.
+  struct ElementRule
+  {
+    ngfem::IntegrationRule ir;
+    ngfem::SIMD_IntegrationRule simd_ir;
+    ElementRule (ngfem::IntegrationRule && air) : ir(std::move(air)), simd_ir(ir) { }
+  };
+
+  /// The elements for which the standard rule is not right, and theirs.
+  class RuleTable
+  {
+    std::vector<int> index;      // by element number; -1: the standard rule
+    std::vector<std::unique_ptr<ElementRule>> rules;
+  public:
+    RuleTable (size_t n) : index(n, -1) { }
+    void Add (size_t element, std::unique_ptr<ElementRule> rule)
+    { index[element] = int(rules.size()); rules.push_back(std::move(rule)); }
+    const ElementRule * Find (size_t element) const
+    { return index[element] < 0 ? nullptr : rules[index[element]].get(); }
+  };
+
+  class CrackedMesh
+  {
+    shared_ptr<MeshAccess> mesh;
+    std::vector<Crack> cracks;
+    std::vector<CrackLocation> locations;
+    std::vector<Tip> tips;
+    std::vector<std::optional<TipQuadrature>> tip_quadrature;    // set by the spaces that have functions there
+    std::map<size_t, size_t> crack_of_element;
+
+    using RuleKey = std::tuple<Domain, VorB, int, CrackNodes>;
+    mutable std::map<RuleKey, shared_ptr<const RuleTable>> rule_tables;
+    mutable std::mutex rule_mutex;
+
+  public:
+    /// Throws for what Crack and CrackLocation refuse, and for two cracks that share an element.
+    CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
+
+    shared_ptr<MeshAccess> GetMesh() const { return mesh; }
+    size_t NumCracks() const { return cracks.size(); }
+    const Crack & GetCrack (size_t i) const { return cracks[i]; }
+    const CrackLocation & Location (size_t i) const { return locations[i]; }
+    const std::vector<Tip> & Tips() const { return tips; }
+
+    /// The location of an element that a crack crosses, ends in, or runs along; nullptr elsewhere.
+    const ElementLocation * Find (size_t element) const;
+    /// The crack of such an element.
+    size_t CrackOf (size_t element) const { return crack_of_element.at(element); }
+    /// Elements that carry a part of Γ_C (of one crack, or of all of them).
+    shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const;
+
+    /// Asks for rules that integrate singular functions at a tip; rules that were made before are made again.
+    void RequireTipQuadrature (size_t tip, std::set<double> breaks, double tolerance);
+
+    /// The table for rules of the given order; nodes: where the rules on Γ_C are divided, beside the mesh edges and kinks.
+    shared_ptr<const RuleTable> Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes = {}) const;
+
+    /// For pictures: T∩Ω^± as triangles.
+    const std::vector<Piece> & Pieces (size_t element) const { return Find(element)->pieces; }
+
+  private:
+    void CheckDistinct ();
+    void FindTips ();
+    void SetClearance (Tip & tip) const;
+    const TipQuadrature * TipQuadratureAt (const Triangle & t) const;
+    std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const Triangle & t) const;
+    std::unique_ptr<ElementRule> MakeVolumeRule (Domain domain, size_t element, int order) const;
+    std::unique_ptr<ElementRule> MakeCrackRule (const ElementLocation & location, const Crack & crack, int order, const std::vector<double> & nodes) const;
+    std::unique_ptr<ElementRule> MakeBoundaryRule (const CutBoundaryEdge & edge, int order) const;
+    shared_ptr<RuleTable> MakeVolumeTable (Domain domain, int order) const;
+    shared_ptr<RuleTable> MakeCrackTable (int order, const CrackNodes & nodes) const;
+    shared_ptr<RuleTable> MakeBoundaryTable (int order) const;
+  };
+}

@@ -1,0 +1,47 @@
+#pragma once
+// The measures body.dx, body.ds, body.dcrack: NGSolve's differential symbols, integrals and symbolic integrators with
+// the rules of a cracked mesh on the elements that need them.
+
+#include "cracked_mesh.hpp"
+#include <integratorcf.hpp>
+
+namespace ngsxfem_contact
+{
+  using ngfem::CoefficientFunction;
+
+  /// Which rules an integral uses.
+  struct Measure
+  {
+    shared_ptr<CrackedMesh> body;
+    Domain domain = Domain::Bulk;
+    CrackNodes nodes;
+
+    shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return body->Rules(domain, vb, order, nodes); }
+  };
+
+  class CutDifferentialSymbol : public ngfem::DifferentialSymbol
+  {
+  public:
+    Measure measure;
+    CutDifferentialSymbol (Measure ameasure, VorB avb) : DifferentialSymbol(avb), measure(std::move(ameasure)) { }
+    shared_ptr<ngfem::Integral> MakeIntegral (shared_ptr<CoefficientFunction> cf) const override;
+  };
+
+  class CutIntegral : public ngfem::Integral
+  {
+    Measure measure;
+  public:
+    CutIntegral (shared_ptr<CoefficientFunction> acf, const ngfem::DifferentialSymbol & adx, Measure ameasure)
+      : Integral(acf, adx), measure(std::move(ameasure)) { }
+
+    double Integrate (const ngcomp::MeshAccess & ma, ngbla::FlatVector<double> element_wise) override;
+    ngcore::Complex Integrate (const ngcomp::MeshAccess & ma, ngbla::FlatVector<ngcore::Complex> element_wise) override;
+    shared_ptr<ngfem::BilinearFormIntegrator> MakeBilinearFormIntegrator () const override;
+    shared_ptr<ngfem::LinearFormIntegrator> MakeLinearFormIntegrator () const override;
+    shared_ptr<Integral> CreateSameIntegralType (shared_ptr<CoefficientFunction> acf) override
+    { return make_shared<CutIntegral>(acf, dx, measure); }
+
+  private:
+    std::optional<ngcore::BitArray> DefinedOn (const ngcomp::MeshAccess & ma) const;
+  };
+}

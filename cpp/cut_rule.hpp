@@ -1,0 +1,36 @@
+#pragma once
+// Points and weights on T∩Ω⁺, T∩Ω⁻, T∩Γ_C and on cut boundary edges, graded to the √r singularity of a tip.
+// Geometry in, weighted physical points out; all weights are positive.
+
+#include "element_location.hpp"
+
+namespace ngsxfem_contact
+{
+  struct WeightedPoint { Point p; double weight; };
+  using PointRule = std::vector<WeightedPoint>;
+
+  /// What the singular functions of one tip ask of a rule: inside r1 they are smooth functions of θ and √r,
+  /// with a kink of some derivative at each radius in breaks (r0, r1, ...).
+  struct TipQuadrature
+  {
+    Point tip;
+    std::set<double> breaks;
+    double tolerance = 1e-10;      // aimed at, relative to the integral over an element
+
+    double Radius () const { return *breaks.rbegin(); }
+    /// 1D Gauss points that integrate the radial part, a polynomial in √r, with those of degree order beside it.
+    int RadialPoints (int order) const;
+  };
+
+  /// Plain Gauss rule of the given order on one triangle.
+  void AppendTriangle (const Triangle & t, int order, PointRule & rule);
+
+  /// The rule for a triangle that meets the disk of a tip: plain Gauss of raised order where the functions are
+  /// smooth at the scale of t, in polar coordinates around the tip elsewhere.
+  void AppendTriangleNearTip (const Triangle & t, int order, const TipQuadrature & tip, PointRule & rule);
+
+  /// Gauss on a straight part of Γ_C; in √r, and divided at the breaks and at break_distance from the tip, if tip != nullptr.
+  void AppendSegment (Point a, Point b, int order, const TipQuadrature * tip, double break_distance, PointRule & rule);
+
+  double DistanceToTriangle (Point p, const Triangle & t);
+}

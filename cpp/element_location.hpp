@@ -1,0 +1,101 @@
+#pragma once
+// Where each element lies with respect to one crack, and the triangles that a crack divides it into.
+
+#include "crack.hpp"
+#include <comp.hpp>
+#include <array>
+#include <map>
+#include <set>
+
+namespace ngsxfem_contact
+{
+  using ngcomp::MeshAccess;
+  using std::shared_ptr;
+
+  enum class ElementKind
+    {
+      Uncut,      // Γ_C does not meet the open element (it may pass through a vertex)
+      Cut,        // Γ_C crosses it from boundary to boundary
+      Tip,        // Γ_C ends inside
+      Aligned     // Γ_C runs along an edge that this element carries for both neighbours
+    };
+
+  /// The special positions. A position that holds to within geometric_tolerance counts as exact.
+  struct Degeneracy { bool through_vertex = false, along_edge = false, tip_on_edge = false, tip_on_vertex = false, kink_inside = false; };
+
+  using Triangle = std::array<Point,3>;
+  double Area (const Triangle & t);
+
+  /// A part of T∩Γ_C on one segment of the crack, from arc length s0 to s1.
+  struct Chord { size_t segment; double s0, s1; };
+
+  /// A triangle inside T that lies on one side of Γ_C (and of its straight extension beyond a tip).
+  struct Piece { Triangle triangle; Side side; };
+
+  struct ElementLocation
+  {
+    size_t element;
+    ElementKind kind;
+    Degeneracy degeneracy;
+    Triangle triangle;
+    double h;                       // longest edge
+    std::vector<Chord> chords;      // in the order of arc length, each continuing the one before
+    std::vector<Piece> pieces;
+    double area_plus, area_minus;
+    Side Larger () const { return area_plus >= area_minus ? Side::Plus : Side::Minus; }
+    double S0 () const { return chords.front().s0; }
+    double S1 () const { return chords.back().s1; }
+  };
+
+  /// A boundary edge that Γ_C divides at its mouth.
+  struct CutBoundaryEdge { size_t element; Point a, b, mouth; Side side_a; };
+
+  enum class EndKind { Tip, Mouth };
+
+  /// An end of Γ_C: a tip (inside the body) or a mouth (on its boundary), and the mesh node that it lies on or in.
+  struct CrackEnd { EndKind kind; double s; Point point; ngfem::NodeId node; };
+
+  /// One crack in one mesh. Work is proportional to the number of elements, with a bounding box test each.
+  class CrackLocation
+  {
+    const MeshAccess & mesh;
+    const Crack & crack;
+    double tolerance;                                // geometric_tolerance × the smallest h_T beside the crack
+    std::vector<ElementLocation> elements;           // Cut, Tip and Aligned
+    std::map<size_t, size_t> index;                  // element number → position in elements
+    std::map<size_t, CutBoundaryEdge> boundary_edges;
+    std::set<size_t> aligned_edges;
+    std::array<CrackEnd,2> ends;
+
+  public:
+    /// Throws for a mesh that is not plane and straight triangles beside the crack, a crack that leaves the body or
+    /// lies outside of it, runs along its boundary, or passes twice through one element.
+    CrackLocation (const MeshAccess & amesh, const Crack & acrack);
+
+    const std::vector<ElementLocation> & Elements() const { return elements; }
+    const ElementLocation * Find (size_t element) const;
+    const CutBoundaryEdge * FindBoundaryEdge (size_t bnd_element) const;
+    const std::map<size_t, CutBoundaryEdge> & BoundaryEdges() const { return boundary_edges; }
+    const std::set<size_t> & AlignedEdges() const { return aligned_edges; }
+    const std::array<CrackEnd,2> & Ends() const { return ends; }
+    double Tolerance() const { return tolerance; }
+
+  private:
+    struct Clip { bool aligned; Chord chord; bool starts_inside, ends_inside; };
+    std::optional<Clip> ClipSegment (const Triangle & t, size_t segment) const;
+    std::vector<size_t> ElementsBeside () const;
+    void LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned);
+    void Divide (ElementLocation & location) const;
+    void LocateAligned (const std::map<size_t, std::vector<size_t>> & aligned);
+    size_t AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const;
+    void LocateEnds (const std::vector<size_t> & beside);
+    CrackEnd LocateEnd (double s, const std::vector<size_t> & beside);
+    void LocateBoundary ();
+    void CheckCovered () const;
+    void CheckConnected (const ElementLocation & location) const;
+    void MarkDegenerate (ElementLocation & location) const;
+  };
+
+  Triangle VerticesOf (const MeshAccess & mesh, size_t element);
+  double LongestEdge (const Triangle & t);
+}

@@ -1,0 +1,132 @@
+#pragma once
+// The singular functions at one tip, times the cut-off χ: (8) of [AHLMR12], or the two modes of method.md, section 7.
+
+#include "crack.hpp"
+#include <fem.hpp>
+
+namespace ngsxfem_contact
+{
+  using ngfem::AutoDiff;
+  using ngcore::SIMD;
+
+  enum class CutOff { Cubic, Quintic };          // χ is C¹ or C²
+  enum class TipBasis { Branch, Modes };          // the 4 functions (8) for each component; the 2 vector fields (b), (c)
+
+  struct TipSpec
+  {
+    TipBasis basis = TipBasis::Branch;
+    CutOff cutoff = CutOff::Quintic;
+    double r0 = 0, r1 = 0;                        // χ = 1 for r ≤ r0, 0 for r ≥ r1
+    double kappa = 0, mu = 1;                     // of the material at the tip; modes only
+  };
+
+  class TipFunctions
+  {
+    Point tip, ahead, left;                       // the tip's frame: the crack lies on θ = ±π
+    int plus_sign;                                // the sign of θ on the crack's plus side
+    TipSpec spec;
+
+  public:
+    static constexpr int max_functions = 8;
+    static constexpr double smallest_r2 = 1e-200;  // keeps the functions finite at the tip itself
+
+    TipFunctions (Point atip, Point aahead, int aplus_sign, TipSpec aspec)
+      : tip(atip), ahead(aahead), left(-aahead(1), aahead(0)), plus_sign(aplus_sign), spec(aspec) { }
+
+    const TipSpec & Spec() const { return spec; }
+    Point Tip() const { return tip; }
+    int Size() const { return spec.basis == TipBasis::Modes ? 2 : 8; }
+
+    /// χ F_j as vector fields with their gradients at p; T is double or SIMD<double>.
+    /// side = 0: by the position of p; ±1: the limit on Γ_C from the plus or the minus side, p on Γ_C.
+    /// The modes are scaled so that their coefficients are K_I and K_II.
+    template <typename T>
+    void Evaluate (Vec<2,T> p, int side, Vec<2,AutoDiff<2,T>> * values) const
+    {
+      Vec<2,T> d { p(0)-tip(0), p(1)-tip(1) };
+      AutoDiff<2,T> x = Coordinate(d, ahead), y = Coordinate(d, left);
+      T r = sqrt(x.Value()*x.Value() + y.Value()*y.Value() + smallest_r2);
+      AutoDiff<2,T> R(r);
+      for (int i = 0; i < 2; i++)
+        R.DValue(i) = (x.Value()*x.DValue(i) + y.Value()*y.DValue(i)) / r;
+      if (side) y.Value() = T(0.);                // Γ_C is straight inside the disk
+      auto [C, S] = HalfAngle(x, y, r, side*plus_sign);
+      AutoDiff<2,T> chi = Chi(R);
+      if (spec.basis == TipBasis::Modes)
+        EvaluateModes(chi, C, S, R, values);
+      else
+        EvaluateBranch(chi, C, S, y/R, values);
+    }
+
+    template <typename T>
+    AutoDiff<2,T> Chi (AutoDiff<2,T> r) const
+    {
+      auto rho = (1./(spec.r1-spec.r0)) * (r - AutoDiff<2,T>(T(spec.r0)));
+      auto poly = spec.cutoff == CutOff::Cubic
+        ? 1. - rho*rho*(3. - 2.*rho)
+        : 1. - rho*rho*rho*(10. - 15.*rho + 6.*rho*rho);
+      AutoDiff<2,T> chi;
+      auto select = [&] (T value, T inside) { return IfPos(r.Value()-spec.r1, T(0.), IfPos(T(spec.r0)-r.Value(), inside, value)); };
+      chi.Value() = select(poly.Value(), T(1.));
+      for (int i = 0; i < 2; i++)
+        chi.DValue(i) = select(poly.DValue(i), T(0.));
+      return chi;
+    }
+
+  private:
+    template <typename T>
+    static AutoDiff<2,T> Coordinate (Vec<2,T> d, Point axis)
+    {
+      AutoDiff<2,T> c(d(0)*axis(0) + d(1)*axis(1));
+      c.DValue(0) = T(axis(0));
+      c.DValue(1) = T(axis(1));
+      return c;
+    }
+
+    /// √r cos(θ/2), √r sin(θ/2) and their gradients: √r cos(θ/2) = √((r+x)/2), no digits lost where x < 0.
+    template <typename T>
+    static std::pair<AutoDiff<2,T>, AutoDiff<2,T>> HalfAngle (AutoDiff<2,T> x, AutoDiff<2,T> y, T r, int forced)
+    {
+      T one(1.);
+      T sign = forced ? T(double(forced)) : IfPos(y.Value(), one, IfPos(-y.Value(), -one, one));
+      T absx = IfPos(x.Value(), x.Value(), -x.Value()), absy = IfPos(y.Value(), y.Value(), -y.Value());
+      T large = sqrt(0.5*(r+absx)), small = 0.5*absy/large;
+      AutoDiff<2,T> C, S;
+      C.Value() = IfPos(x.Value(), large, small);
+      S.Value() = sign * IfPos(x.Value(), small, large);
+      T half_r = 0.5/r;
+      for (int i = 0; i < 2; i++)
+        {
+          C.DValue(i) = half_r * (C.Value()*x.DValue(i) + S.Value()*y.DValue(i));
+          S.DValue(i) = half_r * (C.Value()*y.DValue(i) - S.Value()*x.DValue(i));
+        }
+      return { C, S };
+    }
+
+    /// The 4 functions of (8), each in the x and in the y component: 8 vector fields.
+    template <typename T>
+    static void EvaluateBranch (AutoDiff<2,T> chi, AutoDiff<2,T> C, AutoDiff<2,T> S, AutoDiff<2,T> sine, Vec<2,AutoDiff<2,T>> * values)
+    {
+      std::array<AutoDiff<2,T>,4> F { chi*S, chi*C, chi*S*sine, chi*C*sine };
+      for (int j = 0; j < 4; j++)
+        for (int k = 0; k < 2; k++)
+          {
+            values[2*j+k](k) = F[j];
+            values[2*j+k](1-k) = AutoDiff<2,T>(T(0.));
+          }
+    }
+
+    template <typename T>
+    void EvaluateModes (AutoDiff<2,T> chi, AutoDiff<2,T> C, AutoDiff<2,T> S, AutoDiff<2,T> r, Vec<2,AutoDiff<2,T>> * values) const
+    {
+      double scale = 1. / (2*spec.mu*sqrt(2*M_PI)), kappa = spec.kappa;
+      AutoDiff<2,T> c2 = C*C/r, s2 = S*S/r;
+      std::array<std::array<AutoDiff<2,T>,2>,2> field
+        { { { C*(kappa-1. + 2.*s2), S*(kappa+1. - 2.*c2) },
+            { S*(kappa+1. + 2.*c2), -1.*C*(kappa-1. - 2.*s2) } } };
+      for (int m = 0; m < 2; m++)
+        for (int k = 0; k < 2; k++)
+          values[m](k) = scale * chi * (ahead(k)*field[m][0] + left(k)*field[m][1]);
+    }
+  };
+}

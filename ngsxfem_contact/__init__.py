@@ -1,0 +1,13 @@
+"""Contact of cracked elastic bodies in NGSolve: cut-off XFEM, stabilised multipliers, active sets."""
+
+from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
+from ._ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind, Side
+from .checks import Coercivity, InfSup
+from .elasticity import Elasticity
+from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
+from .interpolation import Interpolant, Projection
+from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress
+from .problem import ContactProblem
+from .solution import ContactSolution
+from .spaces import CrackFESpace, TipEnrichment, TraceSpace
+from .stabilisation import BarbosaHughes

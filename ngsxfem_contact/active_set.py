@@ -1,0 +1,79 @@
+"""The semi-smooth Newton method for (39) of [AHLMR12], which is an active-set method, on the crack's own unknowns.
+
+With the displacements eliminated the problem is: find p ≤ 0 with w = Q p + q ≤ 0 and p·w = 0, Q symmetric positive
+definite. Its projection form p = min(0, p - r w) is solved by: i is active (in contact) where p_i - r w_i < 0; active
+rows read w_i = 0, the others p_i = 0. After one step either p_i or w_i is zero, so the answer and, from the second step
+on, the iterates do not depend on r > 0. An index changes sides only by more than round-off: where contact is lost with
+zero pressure, p_i and w_i are both zero.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import NotConverged
+
+
+ROUND_OFF = 1e-12
+
+
+@dataclass
+class ActiveSetResult:
+    """p: the solution.  active: the set of each iteration (boolean arrays).  fallback: steps of least-index pivoting."""
+
+    p: np.ndarray
+    active: list
+    fallback: int
+
+    @property
+    def iterations(self):
+        return len(self.active)
+
+
+def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
+    """Solves p ≤ 0, w = Qp + q ≤ 0, p·w = 0.
+
+    Q: (m, m), symmetric positive definite, in any scaling.    r: positive; relative to 1/diag(Q).
+    start: first active set, boolean; default empty.
+    If a set comes back (a cycle) the method goes on by changing one index at a time, the first violated one, which
+    ends for every symmetric positive definite Q (Murty's least-index rule).
+    Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
+    """
+    r = r / np.diag(Q)
+    active = np.zeros(len(q), dtype=bool) if start is None else start.copy()
+    history = [active]
+    seen = {active.tobytes()}
+    for _ in range(max_iterations):
+        p, w = solve_equalities(Q, q, active)
+        y = p - r * w
+        new = y < np.where(active, 1, -1) * ROUND_OFF * np.abs(y).max()
+        history.append(new)
+        if np.array_equal(new, active):
+            return ActiveSetResult(p, history, 0)
+        if new.tobytes() in seen:
+            return least_index(Q, q, new, history)
+        seen.add(new.tobytes())
+        active = new
+    raise NotConverged(f"the active set still changed after {max_iterations} iterations (sizes {[int(a.sum()) for a in history[-5:]]})")
+
+
+def solve_equalities(Q, q, active):
+    """p and w with w = 0 on the active set and p = 0 elsewhere."""
+    p = np.zeros(len(q))
+    if active.any():
+        p[active] = np.linalg.solve(Q[np.ix_(active, active)], -q[active])
+    w = Q @ p + q
+    w[active] = 0
+    return p, w
+
+
+def least_index(Q, q, active, history):
+    """Murty's pivoting from a given set."""
+    active = active.copy()
+    for step in range(100 * len(q)):
+        p, w = solve_equalities(Q, q, active)
+        violated = np.flatnonzero(np.where(active, p > ROUND_OFF * np.abs(p).max(), w > ROUND_OFF * np.abs(w).max()))
+        if len(violated) == 0:
+            return ActiveSetResult(p, history + [active.copy()], step)
+        active[violated[0]] ^= True
+    raise NotConverged("the active set cycles and least-index pivoting did not end")

@@ -1,0 +1,111 @@
+"""What can be wrong with a problem before it is solved: each is named, none is a warning."""
+
+import numpy as np
+from ngsolve import BilinearForm, Grad, InnerProduct, specialcf
+from scipy.linalg import eigh
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from .connectivity import VertexCopies
+from .elimination import StiffnessInverse, schur_complement
+from .errors import NotCoercive, SingularSystem
+from .operators import NormalGap, Strain
+from .spaces import to_scipy
+from .stabilisation import normal_stress, trace_constants
+
+
+def check_data(system, problem):
+    """Raises ValueError for loads, given values or gaps that are not finite."""
+    for values, what, where in (
+        (system.F, "the load `f`", "its coefficient functions on the whole body"),
+        (problem.given.vec.FV().NumPy(), "a given displacement", "Pin and SetDirichlet"),
+        (system.G, "the initial gap", "`gap` on the whole crack"),
+    ):
+        if not np.isfinite(values).all():
+            raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
+
+
+def check_rigid_motions(problem):
+    """Raises SingularSystem if a rigid motion of the body, or of a part that cracks cut off, is not held."""
+    fixed = ~np.array(problem.free, dtype=bool)
+    copies = VertexCopies(problem.V)
+    for part in range(copies.parts):
+        motions = copies.RigidMotions(part)
+        held = (motions / np.abs(motions).max(axis=0))[fixed]
+        rank = np.linalg.matrix_rank(held, tol=1e-8) if len(held) else 0
+        if rank < 3:
+            name = "the body" if copies.parts == 1 else f"one of the {copies.parts} parts into which the cracks divide the body"
+            raise SingularSystem(f"{3 - rank} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...)")
+
+
+def check_multiplier(Q, tolerance=1e-10):
+    """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(Q), np.finfo(float).tiny))
+    values = np.linalg.eigvalsh(Q * scale[:, None] * scale)
+    deficient = int((values < tolerance * values[-1]).sum())
+    if deficient:
+        raise SingularSystem(
+            f"{deficient} of {len(values)} multipliers act on no displacement of the space (smallest eigenvalue {values[0]:.1e} "
+            f"of the scaled Schur complement, largest {values[-1]:.1e}): this pair of orders needs "
+            "stabilisation=BarbosaHughes(), or a richer displacement space, or a multiplier of lower order"
+        )
+
+
+def check_coercive(problem):
+    """Raises NotCoercive for a gamma0 for which K - K_γ is not positive definite (against K)."""
+    gamma0 = getattr(problem.stabilisation, "gamma0", None)
+    if gamma0 is None:
+        return
+    constants = trace_constants(problem.V, problem.material)
+    if gamma0 * constants.max() < 1:
+        return
+    smallest = Coercivity(problem)
+    if smallest <= 1e-10:
+        raise NotCoercive(
+            f"gamma0 = {gamma0:g} is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; "
+            f"take gamma0 below {1 / constants.max():.3g}, or BarbosaHughes() which chooses γ itself"
+        )
+
+
+def Coercivity(problem):
+    """The smallest eigenvalue of K - K_γ against K, (13) of [AHLMR12]: 1 - θ; negative where γ is too large."""
+    gamma = problem.stabilisation.Gamma(problem.V, problem.material)
+    if gamma is None:
+        return 1.0
+    V, material, body = problem.V, problem.material, problem.body
+    u, v = V.TnT()
+    K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
+    R = lambda w: normal_stress(w, material, body)
+    K_gamma = to_scipy(BilinearForm(gamma * R(u) * R(v) * body.dcrack).Assemble().mat)
+    K_inverse = K.Inverse(problem.free, inverse="sparsecholesky")
+    return 1 - largest_eigenvalue(K_gamma, K, K_inverse, np.array(problem.free, dtype=bool))
+
+
+def largest_eigenvalue(A, M, M_inverse, free):
+    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M and its inverse NGSolve's."""
+    x, y = M.CreateColVector(), M.CreateColVector()
+
+    def apply(operator):
+        def multiply(array):
+            x.FV().NumPy()[:] = np.where(free, array.ravel(), 0)
+            y.data = operator * x
+            return np.where(free, y.FV().NumPy(), 0)
+
+        return LinearOperator(A.shape, matvec=multiply, dtype=float)
+
+    start = np.where(free, np.random.default_rng(0).standard_normal(len(free)), 0)
+    start = apply(M_inverse).matvec(A @ start)
+    restricted = LinearOperator(A.shape, matvec=lambda v: np.where(free, A @ np.where(free, v.ravel(), 0), 0), dtype=float)
+    return float(eigsh(restricted, k=1, M=apply(M), Minv=apply(M_inverse), which="LA", v0=start, tol=1e-8)[0][0])
+
+
+def InfSup(V, W):
+    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖h^{1/2} μ‖_{L²(Γ_C)}), h the element size; zero: the pair is singular."""
+    u, v = V.TnT()
+    lam, mu = W.TnT()
+    coupling = BilinearForm(trialspace=V, testspace=W)
+    coupling += mu * NormalGap(u, V.body) * W.dcrack
+    B = to_scipy(coupling.Assemble().mat)
+    H1 = BilinearForm((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx, symmetric=True).Assemble().mat
+    M = to_scipy(BilinearForm(specialcf.mesh_size * lam * mu * W.dcrack).Assemble().mat).toarray()
+    S = schur_complement(B, StiffnessInverse(H1, V.FreeDofs(), "sparsecholesky"))
+    return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

@@ -1,0 +1,101 @@
+"""The connected parts of Ω∖Γ_C as the space V_h sees them, and their rigid motions."""
+
+import numpy as np
+from ngsolve import VOL
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from . import _ngsxfem_contact as core
+
+
+class VertexCopies:
+    """A vertex whose function is enriched has a copy on each side of the crack; the others have one.
+
+    labels: the connected part of each copy.    parts: their number.    index: (vertex, sides) → copy, where sides are
+    the signs with respect to the cracks that enrich the vertex, () for none.
+    """
+
+    def __init__(self, V):
+        self.V = V
+        self.enriched = {}
+        for j in range(V.num_heaviside):
+            dof, shift = V.Heaviside(j)
+            if dof < V.mesh.nv:
+                self.enriched.setdefault(dof, []).append((j, V.HeavisideCrack(j), shift))
+        self.index = {(v, ()): v for v in range(V.mesh.nv)}
+        edges = self._uncut_edges() + self._crack_edges()
+        copies = len(self.index)
+        rows, columns = np.array(edges).T
+        self.parts, self.labels = connected_components(coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(copies, copies)), directed=False)
+        self._forget_unused()
+
+    def _forget_unused(self):
+        """Enriched vertices have no single copy: their entry (v, ()) belongs to no part."""
+        used = np.ones(len(self.labels), dtype=bool)
+        used[list(self.enriched)] = False
+        parts, self.labels[used] = np.unique(self.labels[used], return_inverse=True)
+        self.labels[~used] = -1
+        self.parts = len(parts)
+
+    def _copy(self, vertex, sides):
+        own = tuple(sides[crack] for _, crack, _ in self.enriched.get(vertex, []))
+        return self.index.setdefault((vertex, own), len(self.index))
+
+    def _touches(self, vertices):
+        return any(v in self.enriched for v in vertices)
+
+    def _uncut_edges(self):
+        self.beside, edges = [], []
+        crack_elements = self.V.body.CrackElements(None)
+        for el in self.V.mesh.Elements(VOL):
+            vertices = [v.nr for v in el.vertices]
+            if crack_elements[el.nr] or self._touches(vertices):
+                self.beside.append((el.nr, vertices))
+            else:
+                edges += [(vertices[0], vertices[1]), (vertices[0], vertices[2])]
+        return edges
+
+    def _crack_edges(self):
+        """Each part of an element beside a crack joins the copies of its vertices on its side."""
+        edges = []
+        body = self.V.body
+        locations = {location.element: (c, location) for c in range(len(body.cracks)) for location in body.Elements(c)}
+        points = [vertex.point for vertex in self.V.mesh.vertices]
+        for element, vertices in self.beside:
+            center = tuple(np.mean([points[v] for v in vertices], axis=0))
+            sides = {c: int(crack.SideOf(center)) for c, crack in enumerate(body.cracks)}
+            crack, location = locations.get(element, (None, None))
+            divided = location is not None and location.kind != core.ElementKind.Aligned
+            for side in (-1, 1) if divided else (None,):
+                if side is not None:
+                    sides[crack] = side
+                first, *others = [self._copy(v, sides) for v in vertices]
+                edges += [(first, other) for other in others]
+        return edges
+
+    def RigidMotions(self, part):
+        """Coefficients in V of the two translations and the rotation of one part, zero elsewhere: (ndof, 3)."""
+        points = np.array([vertex.point for vertex in self.V.mesh.vertices])
+        fields = [(1 + 0 * points[:, 0], 0 * points[:, 0]), (0 * points[:, 0], 1 + 0 * points[:, 0]), (-points[:, 1], points[:, 0])]
+        return np.column_stack([self._coefficients(field, part) for field in fields])
+
+    def _coefficients(self, field, part):
+        vec = np.zeros(self.V.ndof)
+        inside = self.labels[: self.V.mesh.nv] == part
+        scalar = self.V.scalar_space.ndof
+        for component in range(2):
+            vec[component * scalar + np.flatnonzero(inside)] = field[component][inside]
+            for vertex, functions in self.enriched.items():
+                larger = tuple(shift for _, _, shift in functions)
+                on_larger = self._is_in(vertex, larger, part)
+                vec[component * scalar + vertex] = on_larger * field[component][vertex]
+                for k, (j, _, shift) in enumerate(functions):
+                    # the function ½(H - s) φ is -s φ on the other side
+                    other = larger[:k] + (-shift,) + larger[k + 1 :]
+                    difference = self._is_in(vertex, other, part) - on_larger
+                    vec[self.V.HeavisideDof(j, component)] = -shift * difference * field[component][vertex]
+        return vec
+
+    def _is_in(self, vertex, sides, part):
+        copy = self.index.get((vertex, sides))
+        return float(copy is not None and self.labels[copy] == part)

@@ -1,0 +1,61 @@
+"""Functions of V_h from given ones: Definition 3.1 of [AHLMR12], and the L² projection."""
+
+from ngsolve import BilinearForm, CoefficientFunction, GridFunction, LinearForm, VectorH1
+import numpy as np
+
+
+def Interpolant(V, plus, minus=None, tips=()):
+    """Π_h u: a_i = û^{s_i}(y_i), b_i = (û⁺ - û⁻)(y_i), and given coefficients for the tip functions.
+
+    plus, minus: û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two
+        components; minus=None: no jump.    tips: for each tip the coefficients of its functions.
+    Returns a GridFunction. With several cracks the same pair is used at each.
+    """
+    scalar = V.scalar_space.ndof
+    one_sided = [_smooth(V, f) for f in (plus, minus if minus is not None else plus)]
+    u = GridFunction(V)
+    vec = u.vec.FV().NumPy()
+    sides = _own_sides(V)
+    for component in range(2):
+        of_plus, of_minus = (values[component * scalar : (component + 1) * scalar] for values in one_sided)
+        vec[component * scalar : (component + 1) * scalar] = np.where(sides > 0, of_plus, of_minus)
+        for j in range(V.num_heaviside):
+            dof, _ = V.Heaviside(j)
+            vec[V.HeavisideDof(j, component)] = of_plus[dof] - of_minus[dof]
+    for tip, coefficients in enumerate(tips):
+        vec[V.TipDofs(tip)] = coefficients
+    return u
+
+
+def _smooth(V, function):
+    """Coefficients of a smooth function in (P_k)², component after component."""
+    plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
+    plain.Set(CoefficientFunction(function), bonus_intorder=4)
+    return plain.vec.FV().NumPy().copy()
+
+
+def _scalar_flags(V):
+    return {key: value for key, value in V.flags.ToDict().items() if key in ("order", "orderinner")}
+
+
+def _own_sides(V):
+    """+1 or -1 for each φ_i: the side of the larger part of its support, or of an uncut element of it."""
+    sides = np.ones(V.scalar_space.ndof, dtype=int)
+    for el in V.mesh.Elements():
+        center = np.mean([V.mesh[v].point for v in el.vertices], axis=0)
+        nearest = min(V.body.cracks, key=lambda crack: np.hypot(*(np.subtract(crack.PointAt(crack.ArcLength(tuple(center))), center))))
+        sides[list(V.scalar_space.GetDofNrs(el))] = int(nearest.SideOf(tuple(center)))
+    for j in range(V.num_heaviside):
+        dof, shift = V.Heaviside(j)
+        sides[dof] = shift
+    return sides
+
+
+def Projection(V, function, bonus_intorder=4):
+    """The L²(Ω∖Γ_C) projection of a CoefficientFunction with two components (which may jump) onto V; a GridFunction."""
+    u, v = V.TnT()
+    mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
+    load = LinearForm(CoefficientFunction(function) * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec
+    result = GridFunction(V)
+    result.vec.data = mass.Inverse(inverse="sparsecholesky") * load
+    return result

@@ -1,0 +1,59 @@
+"""One-sided values, jumps, strains and stresses on a crack. The sign conventions of the package live here.
+
+The unit normal n points to the left of the crack's direction of travel t, from its minus to its plus side;
+jump(v) = v⁺ - v⁻; the gap g_n = jump(u)·n is ≥ 0 where the crack is open; the slip is g_t = jump(u)·t;
+σ_n = n·σn ≤ 0 is compression. [AHLMR12] writes ⟦u_n⟧ = u⁺·n⁺ + u⁻·n⁻, which is -g_n.
+"""
+
+from ngsolve import Grad, InnerProduct, Sym
+
+SIDES = ("plus", "minus", "larger")
+
+
+def Plus(u):
+    """The limit u⁺ on the crack; u: trial, test or GridFunction of a CrackFESpace."""
+    return u.Operator("plus")
+
+
+def Minus(u):
+    """The limit u⁻ on the crack."""
+    return u.Operator("minus")
+
+
+def Jump(u):
+    """u⁺ - u⁻ on the crack, a vector."""
+    return u.Operator("jump")
+
+
+def Gradient(u, side=None):
+    """The matrix ∂_j u_i at a point, or on the crack from "plus", "minus" or the "larger" part of the element."""
+    if side is None:
+        return Grad(u)
+    if side not in SIDES:
+        raise ValueError(f"side={side!r} is not one of {SIDES} (or None: by the position of the point)")
+    return u.Operator("grad" + side)
+
+
+def Strain(u, side=None):
+    """ε(u) = ½(∇u + ∇uᵀ), a 2 × 2 matrix; side as for Gradient."""
+    return Sym(Gradient(u, side))
+
+
+def NormalGap(u, body):
+    """g_n = jump(u)·n, in the user's unit of length; negative: interpenetration."""
+    return InnerProduct(Jump(u), body.normal)
+
+
+def Slip(u, body):
+    """g_t = jump(u)·t."""
+    return InnerProduct(Jump(u), body.tangent)
+
+
+def NormalStress(stress, body):
+    """σ_n = n·σn of a 2 × 2 stress on the crack."""
+    return InnerProduct(stress * body.normal, body.normal)
+
+
+def TangentialStress(stress, body):
+    """σ_t = t·σn."""
+    return InnerProduct(stress * body.normal, body.tangent)

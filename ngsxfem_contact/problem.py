@@ -1,0 +1,143 @@
+"""The data of a contact problem: (12) of [AHLMR12] and its matrices (38)."""
+
+import numpy as np
+from ngsolve import VERTEX, BilinearForm, BitArray, CoefficientFunction, GridFunction, InnerProduct, LinearForm, NodeId, Parameter
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import splu
+
+from .cones import CONES
+from .operators import NormalGap, Strain
+from .solver import solve
+from .spaces import check_regions, to_scipy
+from .stabilisation import BarbosaHughes, Unstabilised, normal_stress
+
+COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
+
+
+class ContactProblem:
+    """An elastic body with cracks in frictionless unilateral contact: find u and λ ≤ 0 of (12).
+
+    V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity.
+    stabilisation: BarbosaHughes(...) (default: chooses γ itself), or None.
+    cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
+    gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
+
+    Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test
+    function of V. Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
+    """
+
+    def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0):
+        if V.body is not W.body:
+            raise ValueError("ContactProblem: V and W belong to different CrackedMesh objects; build both on one body")
+        if cone not in CONES:
+            raise ValueError(f"ContactProblem: cone={cone!r} is not one of {sorted(CONES)}")
+        if not isinstance(gap, CoefficientFunction) and not 0 <= gap < float("inf"):
+            raise ValueError(f"ContactProblem: gap={gap} must be a finite number >= 0 (the faces do not overlap at first)")
+        self.V, self.W, self.material = V, W, material
+        self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()
+        self.cone = CONES[cone]
+        self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
+        self.f = LinearForm(V)
+        self.given = GridFunction(V)
+        self.free = BitArray(V.FreeDofs())
+
+    @property
+    def body(self):
+        """The CrackedMesh."""
+        return self.V.body
+
+    def Pin(self, point, components, value=0):
+        """Fixes components ("x", "y" or "xy") of u at a mesh vertex to a number, or to one number for each component.
+
+        Raises ValueError if there is no vertex at the point (the message names the nearest), or if u jumps there.
+        """
+        if components not in COMPONENTS:
+            raise ValueError(f"Pin: components={components!r} is not one of {sorted(COMPONENTS)}")
+        vertex = self._vertex_at(point)
+        dofs = self.V.GetDofNrs(NodeId(VERTEX, vertex))
+        if len(dofs) > 2:
+            raise ValueError(f"Pin: u may jump at the vertex {tuple(point)}, beside the crack; pin a vertex away from it")
+        values = np.broadcast_to(value, len(COMPONENTS[components]))
+        for component, number in zip(COMPONENTS[components], values):
+            self.free.Clear(dofs[component])
+            self.given.vec[dofs[component]] = float(number)
+
+    def _vertex_at(self, point):
+        vertices = np.array([v.point for v in self.V.mesh.vertices])
+        distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
+        nearest = int(np.argmin(distance))
+        if not distance[nearest] <= 1e-8 * np.ptp(vertices, axis=0).max():
+            raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {tuple(vertices[nearest].tolist())}")
+        return nearest
+
+    def SetDirichlet(self, value, region):
+        """Sets u on a boundary region of V's dirichlet parts: the L² projection of value's trace, both sides at a mouth.
+
+        value: CoefficientFunction with two components or tuple.    Raises ValueError for a region that is not fixed.
+        """
+        check_regions(self.V.mesh, region, "SetDirichlet: region")
+        V, body = self.V, self.body
+        u, v = V.TnT()
+        mass = to_scipy(BilinearForm(u * v * body.ds(region)).Assemble().mat)
+        load = LinearForm(CoefficientFunction(value) * v * body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
+        diagonal = mass.diagonal()
+        dofs = np.flatnonzero(diagonal > 1e-14 * diagonal.max())
+        if np.array([self.free[int(dof)] for dof in dofs]).any():
+            raise ValueError(f"SetDirichlet: {region!r} is not part of CrackFESpace(..., dirichlet=...); declare it there")
+        scale = 1 / np.sqrt(diagonal[dofs])
+        scaled = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc()
+        self.given.vec.FV().NumPy()[dofs] = scale * splu(scaled).solve(scale * load[dofs])
+
+    def Assemble(self):
+        """The matrices of (38): a ContactSystem."""
+        return ContactSystem(self)
+
+    def Solve(self, **options):
+        """Solves and returns a ContactSolution; options: see `solver.solve`.
+
+        Raises SingularSystem (rigid motions left free, or multipliers that no displacement feels), NotCoercive
+        (gamma0 too large), NotConverged.
+        """
+        return solve(self, **options)
+
+
+class ContactSystem:
+    """K - K_γ as an NGSolve matrix; B - C_γ, D_γ, G as scipy matrices; F as an array: the blocks of (38).
+
+    Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
+    """
+
+    def __init__(self, problem):
+        V, W, body, material = problem.V, problem.W, problem.body, problem.material
+        self.gamma = problem.stabilisation.Gamma(V, material)
+        u, v = V.TnT()
+        lam, mu = W.TnT()
+        dcrack = W.dcrack
+
+        stiffness = BilinearForm(V, symmetric=True)
+        stiffness += InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx
+        coupling = BilinearForm(trialspace=V, testspace=W)
+        coupling += -mu * NormalGap(u, body) * dcrack
+        self.D = None
+        if self.gamma is not None:
+            R = lambda w: normal_stress(w, material, body)
+            stiffness += -self.gamma * R(u) * R(v) * dcrack
+            coupling += -self.gamma * mu * R(u) * dcrack
+            self.D = to_scipy(BilinearForm(self.gamma * lam * mu * dcrack).Assemble().mat)
+        self.stiffness = stiffness.Assemble().mat
+        self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
+        self.E = to_scipy(coupling.Assemble().mat)
+        if self.D is None:
+            self.D = csr_matrix((W.ndof, W.ndof))
+        self.F = problem.f.Assemble().vec.FV().NumPy().copy()
+        self.G = LinearForm(problem.gap * mu * dcrack).Assemble().vec.FV().NumPy().copy()
+
+    def Stiffness(self, U):
+        """(K - K_γ) U for an array U."""
+        self._x.FV().NumPy()[:] = U
+        self._y.data = self.stiffness * self._x
+        return self._y.FV().NumPy().copy()
+
+    def Residual(self, U, L):
+        """The second row of (38): (B - C_γ) U + D_γ L - G."""
+        return self.E @ U + self.D @ L - self.G

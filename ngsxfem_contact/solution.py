@@ -1,0 +1,104 @@
+"""What a solve returns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import InnerProduct, Integrate
+
+from . import _ngsxfem_contact as core
+from .operators import NormalGap, NormalStress, Slip, Strain, TangentialStress
+from .spaces import crack_points
+
+
+@dataclass
+class CrackProfile:
+    """Arrays along a crack: arc length s, points x, y, gap g_n, slip g_t, sigma_n = λ ≤ 0, sigma_t."""
+
+    s: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    gap: np.ndarray
+    slip: np.ndarray
+    sigma_n: np.ndarray
+    sigma_t: np.ndarray
+
+
+@dataclass
+class StressIntensityFactors:
+    """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip."""
+
+    K_I: float
+    K_II: float
+
+    def __iter__(self):
+        return iter((self.K_I, self.K_II))
+
+
+class ContactSolution:
+    """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None."""
+
+    def __init__(self, problem, u, multiplier, report, gamma):
+        self.problem, self.u, self.multiplier, self.report, self.gamma = problem, u, multiplier, report, gamma
+
+    @property
+    def body(self):
+        """The CrackedMesh."""
+        return self.problem.body
+
+    @property
+    def stress(self):
+        """σ(u), a 2 × 2 CoefficientFunction."""
+        return self.problem.material.Stress(Strain(self.u))
+
+    def Energy(self):
+        """½ a(u, u)."""
+        return 0.5 * Integrate(InnerProduct(self.stress, Strain(self.u)) * self.body.dx(bonus_intorder=2 * self.problem.V.order - 5), self.body.mesh)
+
+    def ContactForce(self, crack=0):
+        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other."""
+        return Integrate(self.multiplier * self.problem.W.dcrack(crack=crack), self.body.mesh)
+
+    def Profile(self, crack=0, n=200):
+        """A CrackProfile at n points from end to end, in the user's units.
+
+        sigma_t is the tangential traction of the larger part of each element: zero in exact frictionless contact.
+        """
+        body = self.body
+        s = np.linspace(0, body.cracks[crack].length, n)
+        points = crack_points(body, crack, s)
+        xy = np.array([body.cracks[crack].PointAt(si) for si in s])
+        stress = self.problem.material.Stress(Strain(self.u, "larger"))
+        values = [f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier, TangentialStress(stress, body))]
+        return CrackProfile(s, xy[:, 0], xy[:, 1], *values)
+
+    def Transitions(self, crack=0):
+        """Arc lengths at which the active set changes along a crack: between two neighbouring nodes the middle."""
+        positions = self.problem.W.NodalPositions()
+        first = sum(len(p) for p in positions[:crack])
+        active = self.report.active[-1][first : first + len(positions[crack])]
+        changes = np.flatnonzero(np.diff(active.astype(int)))
+        s = np.array(positions[crack])
+        return 0.5 * (s[changes] + s[changes + 1])
+
+    def StressIntensity(self, tip=0):
+        """K_I, K_II at a tip of `body.tips`: the coefficients of the tip's two modes.
+
+        Their error is O(h^{1/2}) for P1 and O(h) for P2. Raises ValueError unless the space has the modes there:
+        CrackFESpace(..., tip=TipEnrichment(material=...)).
+        """
+        spec = self.problem.V.tip_specs[tip]
+        if spec is None or spec.basis != core.TipBasis.modes:
+            raise ValueError(f"StressIntensity: tip {tip} has no modes; build the space with tip=TipEnrichment(material=material)")
+        return StressIntensityFactors(*(float(self.u.vec[dof]) for dof in self.problem.V.TipDofs(tip)))
+
+    def Draw(self, **options):
+        """Shows the deformed body with the crack open in a notebook; options as for ngsolve.webgui.Draw."""
+        from .plotting import draw
+
+        return draw(self, **options)
+
+    def SaveVTK(self, path):
+        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name."""
+        from .plotting import save_vtk
+
+        return save_vtk(self, path)

@@ -1,0 +1,117 @@
+"""From a ContactProblem to a ContactSolution: elimination of U, the active set, and what was checked on the way."""
+
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+from ngsolve import GridFunction, TaskManager
+
+from .active_set import solve_active_set
+from .checks import check_coercive, check_data, check_multiplier, check_rigid_motions
+from .elimination import StiffnessInverse, schur_complement
+from .errors import NotConverged
+from .solution import ContactSolution
+
+
+@dataclass
+class Report:
+    """What a solve did. residual: of both rows of (38), relative; complementarity: relative violation of the signs."""
+
+    unknowns: tuple
+    timings: dict = field(default_factory=dict)
+    converged: bool = False
+    iterations: int = 0
+    active: list = field(default_factory=list)
+    fallback: int = 0
+    residual: float = float("nan")
+    complementarity: float = float("nan")
+
+    def __str__(self):
+        sizes = " ".join(str(int(a.sum())) for a in self.active)
+        times = "  ".join(f"{name} {seconds:.3f}" for name, seconds in self.timings.items())
+        return "\n".join(
+            [
+                f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
+                f"converged        {self.converged} after {self.iterations} active-set iterations",
+                f"in contact       {sizes}" + (f"  (+ {self.fallback} least-index steps)" if self.fallback else ""),
+                f"residual         {self.residual:.1e}",
+                f"complementarity  {self.complementarity:.1e}",
+                f"seconds          {times}",
+            ]
+        )
+
+
+class Stopwatch:
+    """Seconds since the last mark, by name."""
+
+    def __init__(self, timings):
+        self.timings, self.last = timings, perf_counter()
+
+    def Mark(self, name):
+        """Books the time since the last mark."""
+        now = perf_counter()
+        self.timings[name], self.last = now - self.last, now
+
+
+def solve(problem, r=1.0, start=None, inverse="sparsecholesky", max_iterations=100):
+    """Solves a ContactProblem and returns its ContactSolution.
+
+    r: the parameter of the projection (39), relative; the answer does not depend on it.
+    start: first active set (boolean, one for each nodal sign); default empty.
+    inverse: NGSolve's direct solver for K - K_γ, which is symmetric positive definite.
+    Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
+    """
+    report = Report((int(problem.V.ndof), int(problem.W.ndof)))
+    watch = Stopwatch(report.timings)
+    check_rigid_motions(problem)
+    watch.Mark("check")
+    with TaskManager():
+        system = problem.Assemble()
+        check_data(system, problem)
+        watch.Mark("assemble")
+        check_coercive(problem)
+        factors = StiffnessInverse(system.stiffness, problem.free, inverse)
+        watch.Mark("factor")
+        given = problem.given.vec.FV().NumPy()
+        load = system.F - system.Stiffness(given)
+        S = schur_complement(system.E, factors) + system.D.toarray()
+        g = system.Residual(factors.Solve(load) + given, np.zeros(len(S)))
+        watch.Mark("reduce")
+        T = problem.cone.Transformation(problem.W)
+        Q = T.T @ S @ T
+        check_multiplier(Q)
+        result = solve_active_set(Q, T.T @ g, r, start, max_iterations)
+        report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
+        watch.Mark("active set")
+        L = T @ result.p
+        U = factors.Solve(load + system.E.T @ L) + given
+    accept(report, system, problem, U, L, T)
+    watch.Mark("recover")
+    return make_solution(problem, U, L, report, system.gamma)
+
+
+def make_solution(problem, U, L, report, gamma):
+    """The GridFunctions of a solution."""
+    u, multiplier = GridFunction(problem.V, "u"), GridFunction(problem.W, "multiplier")
+    u.vec.FV().NumPy()[:] = U
+    multiplier.vec.FV().NumPy()[:] = L
+    return ContactSolution(problem, u, multiplier, report, gamma)
+
+
+def accept(report, system, problem, U, L, T, tolerance=1e-8):
+    """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
+    KU, EL = system.Stiffness(U), system.E.T @ L
+    free = np.array(problem.free, dtype=bool)
+    scale = max(np.abs(KU).max(), np.abs(system.F).max(), np.abs(EL).max(), np.finfo(float).tiny)
+    report.residual = float(np.abs(KU - EL - system.F)[free].max() / scale)
+    report.complementarity = complementarity(np.linalg.solve(T, L), T.T @ system.Residual(U, L), np.abs(T.T) @ (abs(system.E) @ np.abs(U)))
+    report.converged = report.residual < tolerance and report.complementarity < tolerance
+    if not report.converged:
+        raise NotConverged(f"the solution does not satisfy its own equations to {tolerance:g}:\n{report}")
+
+
+def complementarity(p, w, terms):
+    """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, relative to the largest pressure and to the terms that w sums."""
+    p = p / max(np.abs(p).max(), np.finfo(float).tiny)
+    w = w / max(terms.max(), np.finfo(float).tiny)
+    return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))

@@ -1,0 +1,184 @@
+"""The spaces: V_h of displacements (section 3 of docs/method.md) and W_h of multipliers (section 4)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BilinearForm, GridFunction
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import eigsh
+
+from . import _ngsxfem_contact as core
+from .elasticity import Elasticity
+
+
+@dataclass(frozen=True)
+class TipEnrichment:
+    """χ F_j at a tip: the singular functions and the cut-off χ = 1 for r ≤ r0, 0 for r ≥ r1.
+
+    r1: default 0.9 × the tip's clearance, see `body.tips`.    r0: default r1 / 50.
+    cutoff: "quintic" (χ is C²) or "cubic" (C¹).
+    material: with an Elasticity the two vector modes of unit K_I and K_II, whose coefficients are the stress
+        intensity factors and whose lips are free of traction: 2 unknowns for each tip. Without one, the four scalar
+        functions (8) of [AHLMR12] in each component: 8 unknowns.
+    functions: "modes" or "branch" to choose explicitly.
+    tolerance: of the integration rules around the tip, relative.
+    """
+
+    r0: float | None = None
+    r1: float | None = None
+    cutoff: str = "quintic"
+    material: Elasticity | None = None
+    functions: str | None = None
+    tolerance: float = 1e-10
+
+    def __post_init__(self):
+        if self.cutoff not in core.CutOff.__members__:
+            raise ValueError(f"TipEnrichment: cutoff={self.cutoff!r} is not one of {list(core.CutOff.__members__)}")
+        if self.functions not in (None, "modes", "branch"):
+            raise ValueError(f"TipEnrichment: functions={self.functions!r} is not 'modes' or 'branch'")
+        if self.functions == "modes" and self.material is None:
+            raise ValueError("TipEnrichment: functions='modes' needs material=Elasticity(...), which the modes depend on")
+
+    def Spec(self, tip):
+        """What the space needs to know at one tip of `body.tips`."""
+        r1 = 0.9 * tip.clearance if self.r1 is None else self.r1
+        r0 = r1 / 50 if self.r0 is None else self.r0
+        modes = self.material is not None and self.functions != "branch"
+        basis = core.TipBasis.modes if modes else core.TipBasis.branch
+        kappa, mu = (self.material.kappa, self.material.mu) if modes else (0, 1)
+        return core.TipSpec(basis, core.CutOff.__members__[self.cutoff], r0, r1, kappa, mu)
+
+
+class CrackFESpace(core.CrackFESpace):
+    """V_h = {Σ a_i φ_i + Σ_{N_H} b_i H φ_i + χ Σ c_j F_j}: vector-valued, one FESpace.
+
+    N_H are the functions with completely cut support. They are stored as ½(H - s_i) φ_i, s_i the sign of the larger
+    part of the support: the span is the same, b_i is the nodal jump, and thin parts do no harm.
+
+    body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+").
+    tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
+    dirichlet and further flags: as for NGSolve's spaces.
+    Raises Exception for an unknown boundary, and for a disk that leaves the body or meets another crack.
+    """
+
+    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", **flags):
+        if bubble and order != 1:
+            raise ValueError(f"CrackFESpace: bubble=True goes with order=1 (P1+), not with order={order}")
+        if order < 1:
+            raise ValueError(f"CrackFESpace: order={order} must be 1 or more")
+        check_regions(body.mesh, dirichlet, "dirichlet")
+        tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
+        specs = [enrichment and enrichment.Spec(place) for enrichment, place in zip(tips, body.tips)]
+        if len(tips) != len(body.tips):
+            raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
+        tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)
+        if bubble:
+            flags["orderinner"] = 3
+        super().__init__(body, specs, tolerance, order=order, dirichlet=dirichlet, **flags)
+
+
+def check_regions(mesh, pattern, what):
+    """Raises ValueError if a pattern of boundary names matches nothing."""
+    if pattern and not mesh.Boundaries(pattern).Mask().NumSet():
+        raise ValueError(f"{what}={pattern!r} matches no boundary; the mesh has {sorted(set(mesh.GetBoundaries()))}")
+
+
+class TraceSpace(core.TraceSpace):
+    """W_h on the cracks: order 0 one constant for each interval, order ≥ 1 continuous.
+
+    basis="nodal" (default): Lagrange functions between the points where the crack meets mesh edges, its kinks and
+        ends; a nodal sign is a pointwise sign for order 1.
+    basis="trace": restrictions of mesh functions, redundant ones removed in the paper's two steps.
+    nodes: arc lengths from 0 to the crack's length, one list for each crack (one list, if there is one crack):
+        a multiplier on nodes of its own (H ≠ h). Integrate over `dcrack` of this space, which respects them.
+    """
+
+    def __init__(self, body, order=1, basis="nodal", nodes=None):
+        if order < 0:
+            raise ValueError(f"TraceSpace: order={order} must be 0 or more")
+        if nodes is None:
+            nodes = [body.MeshNodes(c, order > 0) for c in range(len(body.cracks))]
+        elif np.ndim(nodes[0]) == 0:
+            nodes = [nodes]
+        if basis == "nodal" or (basis == "trace" and order == 0):
+            functions = core.NodalTraceBasis(body, order, nodes)
+        elif basis == "trace":
+            functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
+        else:
+            raise ValueError(f"TraceSpace: basis={basis!r} is not 'nodal' or 'trace'")
+        super().__init__(body, functions, order)
+
+    def NodalPositions(self):
+        """For each crack the arc lengths of the nodes at which signs are taken (for order 0: the intervals' midpoints)."""
+        nodal = core.NodalTraceBasis(self.body, self.order, self.basis.nodes)
+        return [nodal.DofPositions(c) for c in range(len(self.body.cracks))]
+
+    def NodalValues(self):
+        """The matrix of the functions' values at the nodes, or None where it is the identity."""
+        if isinstance(self.basis, core.NodalTraceBasis):
+            return None
+        points = np.concatenate([crack_points(self.body, c, s) for c, s in enumerate(self.NodalPositions())])
+        values = np.empty((len(points), self.ndof))
+        function = GridFunction(self)
+        for j in range(self.ndof):
+            function.vec[:] = 0
+            function.vec[j] = 1
+            values[:, j] = function(points).ravel()
+        if values.shape[0] != values.shape[1]:
+            raise ValueError(
+                f"TraceSpace: {values.shape[1]} independent traces for {values.shape[0]} nodes, so nodal signs do not fit; use basis='nodal'"
+            )
+        return values
+
+
+def crack_points(body, crack, arclengths):
+    """NGSolve's mesh points at arc lengths of a crack, each in an element that carries that part of it."""
+    elements, xi, eta = body.OnCrack(crack, list(arclengths))
+    points = body.mesh(np.full(len(elements), body.cracks[crack].points[0][0]), np.full(len(elements), body.cracks[crack].points[0][1]))
+    points["nr"], points["x"], points["y"] = elements, xi, eta
+    return points
+
+
+def to_scipy(matrix):
+    """A matrix of NGSolve as a scipy matrix in CSR format."""
+    values, columns, rows = matrix.CSR()
+    return csr_matrix((np.array(values), np.array(columns), np.array(rows)), shape=(matrix.height, matrix.width))
+
+
+def mass_matrix(W):
+    """∫ψ_i ψ_j over the cracks, scipy CSR."""
+    lam, mu = W.TnT()
+    return to_scipy(BilinearForm(lam * mu * W.dcrack).Assemble().mat)
+
+
+def redundant_functions(body, order, nodes, tolerance=1e-9):
+    """Which traces of mesh functions depend on others: the two steps of section 4 of [AHLMR12].
+
+    First a Gram-Schmidt elimination among functions that overlap, then a Lanczos search for what is left of the kernel
+    of the mass matrix, one function (that of the largest component) for each kernel vector.
+    """
+    mass = mass_matrix(core.TraceSpace(body, core.MeshTraceBasis(body, order, nodes, set()), order))
+    scale = 1 / np.sqrt(mass.diagonal())
+    mass = (mass.multiply(scale).T.multiply(scale)).tocsr()
+    kept = []
+    for i in range(mass.shape[0]):
+        overlapping = np.intersect1d(mass[i].indices, kept)
+        block = mass[overlapping][:, overlapping].toarray()
+        coupling = mass[overlapping][:, [i]].toarray().ravel()
+        projection = np.linalg.lstsq(block, coupling, rcond=tolerance)[0] if len(overlapping) else np.zeros(0)
+        if 1 - coupling @ projection > tolerance:
+            kept.append(i)
+    while True:
+        value, vector = smallest_eigenpair(mass[kept][:, kept])
+        if value > tolerance:
+            return set(range(mass.shape[0])) - set(kept)
+        kept.pop(int(np.argmax(np.abs(vector))))
+
+
+def smallest_eigenpair(matrix):
+    """Of a symmetric positive semi-definite scipy matrix with unit diagonal: Lanczos on the shifted matrix."""
+    if matrix.shape[0] < 20:
+        values, vectors = np.linalg.eigh(matrix.toarray())
+        return values[0], vectors[:, 0]
+    values, vectors = eigsh(matrix, k=1, sigma=-1e-8, v0=np.ones(matrix.shape[0]))
+    return values[0], vectors[:, 0]

@@ -1,0 +1,145 @@
+#include "convert.hpp"
+
+using namespace ngsxfem_contact;
+using ngcomp::MeshAccess;
+
+static void ExportCrack (py::module & m)
+{
+  py::enum_<Side>(m, "Side").value("Minus", Side::Minus).value("Plus", Side::Plus);
+  py::class_<Crack>(m, "Crack", "An oriented polyline; its normal points to the left of the direction of travel, from the minus to the plus side.")
+    .def(py::init(&ToCrack), py::arg("points"))
+    .def_property_readonly("points", &PointsOf)
+    .def_property_readonly("length", &Crack::Length)
+    .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(s)); }, py::arg("s"), "The point at arc length s.")
+    .def("ArcLength", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).s; }, py::arg("point"), "Arc length of the nearest point of the crack.")
+    .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(ToPoint(p)); }, py::arg("point"))
+    .def("__repr__", [] (const Crack & c) { return py::str("Crack({})").format(PointsOf(c)); })
+    .def(py::pickle([] (const Crack & c) { return py::make_tuple(PointsOf(c)); },
+                    [] (py::tuple state) { return ToCrack(state[0].cast<std::vector<Pair>>()); }));
+}
+
+static void ExportLocation (py::module & m)
+{
+  py::enum_<ElementKind>(m, "ElementKind")
+    .value("Uncut", ElementKind::Uncut).value("Cut", ElementKind::Cut).value("Tip", ElementKind::Tip).value("Aligned", ElementKind::Aligned);
+  py::class_<Degeneracy>(m, "Degeneracy")
+    .def_readonly("through_vertex", &Degeneracy::through_vertex)
+    .def_readonly("along_edge", &Degeneracy::along_edge)
+    .def_readonly("tip_on_edge", &Degeneracy::tip_on_edge)
+    .def_readonly("tip_on_vertex", &Degeneracy::tip_on_vertex)
+    .def_readonly("kink_inside", &Degeneracy::kink_inside);
+  py::class_<Piece>(m, "Piece")
+    .def_property_readonly("triangle", [] (const Piece & p) { return ToPairs(p.triangle); })
+    .def_readonly("side", &Piece::side);
+  py::class_<ElementLocation>(m, "ElementLocation")
+    .def_readonly("element", &ElementLocation::element)
+    .def_readonly("kind", &ElementLocation::kind)
+    .def_readonly("degeneracy", &ElementLocation::degeneracy)
+    .def_readonly("h", &ElementLocation::h, "longest edge")
+    .def_readonly("pieces", &ElementLocation::pieces)
+    .def_readonly("area_plus", &ElementLocation::area_plus)
+    .def_readonly("area_minus", &ElementLocation::area_minus)
+    .def_property_readonly("larger", &ElementLocation::Larger)
+    .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); })
+    .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); });
+  py::enum_<EndKind>(m, "EndKind").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
+  py::class_<CrackEnd>(m, "CrackEnd")
+    .def_readonly("kind", &CrackEnd::kind)
+    .def_readonly("s", &CrackEnd::s)
+    .def_property_readonly("point", [] (const CrackEnd & e) { return ToPair(e.point); });
+  py::class_<Tip>(m, "Tip", "A crack end inside the body: point, crack number, direction ahead, and the clearance that a disk of singular functions has.")
+    .def_readonly("crack", &Tip::crack)
+    .def_readonly("s", &Tip::s)
+    .def_readonly("clearance", &Tip::clearance)
+    .def_readonly("limit", &Tip::limit)
+    .def_property_readonly("point", [] (const Tip & t) { return ToPair(t.point); })
+    .def_property_readonly("ahead", [] (const Tip & t) { return ToPair(t.ahead); })
+    .def("__repr__", [] (const Tip & t) { return py::str("Tip(point={}, crack={}, clearance={:.6g})").format(ToPair(t.point), t.crack, t.clearance); });
+}
+
+/// Elements and reference coordinates of points on a crack, each in an element that carries that part of it.
+static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<double> & arclengths)
+{
+  auto & crack = body.GetCrack(c);
+  std::vector<size_t> elements;
+  std::vector<double> xi, eta;
+  for (double s : arclengths)
+    {
+      const ElementLocation * best = nullptr;
+      double off = std::numeric_limits<double>::infinity();
+      for (auto & location : body.Location(c).Elements())
+        if (double d = std::max({ location.S0()-s, s-location.S1(), 0.0 }); d < off) { best = &location; off = d; }
+      auto & t = best->triangle;
+      Point a = t[0]-t[2], b = t[1]-t[2], d = crack.PointAt(s)-t[2];
+      elements.push_back(best->element);
+      xi.push_back(Cross(d, b)/Cross(a, b));
+      eta.push_back(Cross(a, d)/Cross(a, b));
+    }
+  return py::make_tuple(elements, xi, eta);
+}
+
+static shared_ptr<CrackedMesh> MakeCrackedMesh (shared_ptr<MeshAccess> mesh, const std::vector<Crack> & cracks)
+{ return make_shared<CrackedMesh>(mesh, cracks); }
+
+static std::vector<Crack> CracksOf (const CrackedMesh & body)
+{
+  std::vector<Crack> cracks;
+  for (size_t i = 0; i < body.NumCracks(); i++) cracks.push_back(body.GetCrack(i));
+  return cracks;
+}
+
+static CutDifferentialSymbol CrackSymbol (shared_ptr<CrackedMesh> body)
+{
+  CutDifferentialSymbol dcrack(Measure { body, Domain::Crack, {} }, VOL);
+  dcrack.definedonelements = body->CrackElements();
+  return dcrack;
+}
+
+static CutDifferentialSymbol LargerSymbol (shared_ptr<CrackedMesh> body)
+{
+  CutDifferentialSymbol dlarger(Measure { body, Domain::Larger, {} }, VOL);
+  dlarger.definedonelements = body->CrackElements();
+  return dlarger;
+}
+
+static void ExportCrackedMesh (py::module & m)
+{
+  py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
+      "A mesh with cracks. dx: Omega without the cracks; ds: its boundary, both sides at a mouth; dcrack: the cracks; "
+      "dlarger: the larger part of each element that a crack meets.")
+    .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
+                  {
+                    std::vector<Crack> all;
+                    for (auto crack : cracks) all.push_back(crack.cast<Crack>());
+                    return MakeCrackedMesh(mesh, all);
+                  }), py::arg("mesh"))
+    .def_property_readonly("mesh", &CrackedMesh::GetMesh)
+    .def_property_readonly("cracks", &CracksOf)
+    .def_property_readonly("tips", &CrackedMesh::Tips)
+    .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"))
+    .def("Elements", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Elements(); }, py::arg("crack"), "The elements that a crack meets.")
+    .def("CutBoundaryElements", [] (const CrackedMesh & b, size_t c)
+         {
+           std::vector<size_t> elements;
+           for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) elements.push_back(nr);
+           return elements;
+         }, py::arg("crack"))
+    .def("CrackElements", &CrackedMesh::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
+    .def("MeshNodes", &MeshNodes, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
+    .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "Element numbers and reference coordinates of points on a crack.")
+    .def_property_readonly("normal", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, false); })
+    .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); })
+    .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, Domain::Bulk, {} }, VOL); })
+    .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, Domain::Bulk, {} }, BND); })
+    .def_property_readonly("dlarger", &LargerSymbol)
+    .def_property_readonly("dcrack", &CrackSymbol)
+    .def(py::pickle([] (const CrackedMesh & b) { return py::make_tuple(b.GetMesh(), CracksOf(b)); },
+                    [] (py::tuple state) { return MakeCrackedMesh(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Crack>>()); }));
+}
+
+void ExportGeometry (py::module & m)
+{
+  ExportCrack(m);
+  ExportLocation(m);
+  ExportCrackedMesh(m);
+}

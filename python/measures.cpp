@@ -1,0 +1,38 @@
+#include "convert.hpp"
+
+using namespace ngsxfem_contact;
+using namespace ngfem;
+using ngcomp::Region;
+
+static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::optional<std::variant<Region, string>> definedon,
+                                       int bonus_intorder, shared_ptr<ngcore::BitArray> definedonelements,
+                                       std::optional<size_t> crack, std::optional<CrackNodes> nodes)
+{
+  CutDifferentialSymbol dx(self);
+  dx.bonus_intorder = bonus_intorder;
+  if (definedonelements) dx.definedonelements = definedonelements;
+  if (crack) dx.definedonelements = self.measure.body->CrackElements(crack);
+  if (nodes) dx.measure.nodes = *nodes;
+  if (definedon)
+    {
+      auto region = get_if<Region>(&*definedon);
+      Region on = region ? *region : Region(self.measure.body->GetMesh(), self.vb, get<string>(*definedon));
+      if (on.Mask().NumSet() == 0)
+        throw ngcore::Exception("this measure is restricted to '" + (region ? string("an empty region") : get<string>(*definedon))
+                                + "', which matches no " + (self.vb == VOL ? "material" : "boundary") + " of the mesh; mesh.GetMaterials() and mesh.GetBoundaries() list the names");
+      if (on.VB() != self.vb) throw ngcore::Exception("this measure cannot be restricted to a region of another dimension");
+      dx.definedon = on.Mask();
+    }
+  return dx;
+}
+
+void ExportMeasures (py::module & m)
+{
+  // no shared_ptr holder: the base class is exported without one
+  py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol")
+    .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),
+         py::arg("crack") = py::none(), py::arg("nodes") = py::none(),
+         "The same measure, restricted to a region or to elements or to one crack, with higher order, or with rules on the cracks divided at arc lengths (one list for each crack).")
+    .def("__rmul__", [] (const CutDifferentialSymbol & dx, double factor)
+         { return make_shared<SumOfIntegrals>(dx.MakeIntegral(make_shared<ConstantCoefficientFunction>(factor))); });
+}

@@ -1,0 +1,19 @@
+// Exports only: names equal to the C++ names, no logic, no defaults.
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/numpy.h>
+#include <python_ngstd.hpp>
+#include <python_comp.hpp>
+
+void ExportGeometry (py::module & m);
+void ExportSpaces (py::module & m);
+void ExportMeasures (py::module & m);
+
+PYBIND11_MODULE(_ngsxfem_contact, m)
+{
+  py::module::import("ngsolve");
+  ExportGeometry(m);
+  ExportMeasures(m);
+  ExportSpaces(m);
+}

@@ -1,0 +1,105 @@
+#include "convert.hpp"
+
+using namespace ngsxfem_contact;
+using namespace ngcomp;
+
+static void ExportTipSpec (py::module & m)
+{
+  py::enum_<CutOff>(m, "CutOff").value("cubic", CutOff::Cubic).value("quintic", CutOff::Quintic);
+  py::enum_<TipBasis>(m, "TipBasis").value("branch", TipBasis::Branch).value("modes", TipBasis::Modes);
+  py::class_<TipSpec>(m, "TipSpec")
+    .def(py::init([] (TipBasis basis, CutOff cutoff, double r0, double r1, double kappa, double mu) { return TipSpec { basis, cutoff, r0, r1, kappa, mu }; }),
+         py::arg("basis"), py::arg("cutoff"), py::arg("r0"), py::arg("r1"), py::arg("kappa"), py::arg("mu"))
+    .def_readonly("basis", &TipSpec::basis)
+    .def_readonly("cutoff", &TipSpec::cutoff)
+    .def_readonly("r0", &TipSpec::r0)
+    .def_readonly("r1", &TipSpec::r1)
+    .def_readonly("kappa", &TipSpec::kappa)
+    .def_readonly("mu", &TipSpec::mu)
+    .def(py::pickle([] (const TipSpec & s) { return py::make_tuple(s.basis, s.cutoff, s.r0, s.r1, s.kappa, s.mu); },
+                    [] (py::tuple t) { return TipSpec { t[0].cast<TipBasis>(), t[1].cast<CutOff>(), t[2].cast<double>(),
+                                                        t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>() }; }));
+}
+
+template <typename SPACE>
+static shared_ptr<SPACE> Updated (shared_ptr<SPACE> space)
+{
+  space->Update();
+  space->FinalizeUpdate();
+  return space;
+}
+
+using TipSpecs = std::vector<std::optional<TipSpec>>;
+
+static void ExportCrackFESpace (py::module & m)
+{
+  py::class_<CrackFESpace, shared_ptr<CrackFESpace>, FESpace> space(m, "CrackFESpace");
+  space
+    .def(py::init([space] (shared_ptr<CrackedMesh> body, TipSpecs tips, double tolerance, py::kwargs kwargs)
+                  {
+                    py::list info;
+                    info.append(body->GetMesh());
+                    return Updated(make_shared<CrackFESpace>(body, tips, tolerance, CreateFlagsFromKwArgs(kwargs, space, info)));
+                  }), py::arg("body"), py::arg("tips"), py::arg("tolerance"))
+    .def_static("__flags_doc__", []
+                {
+                  py::dict doc = py::type::of<FESpace>().attr("__flags_doc__")();
+                  doc["orderinner"] = "order of the functions inside a triangle";
+                  return doc;
+                })
+    .def_property_readonly("order", [] (const CrackFESpace & v) { return v.GetOrder(); })
+    .def_property_readonly("body", &CrackFESpace::GetBody)
+    .def_property_readonly("scalar_space", &CrackFESpace::GetScalar, "The space of the functions phi_i.")
+    .def_property_readonly("tip_specs", &CrackFESpace::TipSpecs)
+    .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside)
+    .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "Number i of the j-th enriched function phi_i, and its shift s_i.")
+    .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"))
+    .def("HeavisideDof", &CrackFESpace::HeavisideDof, py::arg("j"), py::arg("component"))
+    .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"))
+    .def(py::pickle([] (const CrackFESpace & v) { return py::make_tuple(v.GetBody(), v.TipSpecs(), v.Tolerance(), v.GetFlags()); },
+                    [] (py::tuple t) { return Updated(make_shared<CrackFESpace>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<TipSpecs>(),
+                                                                                t[2].cast<double>(), t[3].cast<Flags>())); }));
+}
+
+static shared_ptr<TraceSpace> MakeTraceSpace (shared_ptr<CrackedMesh> body, shared_ptr<TraceBasis> basis, int order)
+{
+  Flags flags;
+  flags.SetFlag("order", order);
+  return Updated(make_shared<TraceSpace>(body, basis, flags));
+}
+
+static void ExportTraceSpace (py::module & m)
+{
+  py::class_<TraceSpace, shared_ptr<TraceSpace>, FESpace> space(m, "TraceSpace");
+  py::class_<TraceBasis, shared_ptr<TraceBasis>>(m, "TraceBasis")
+    .def_property_readonly("nodes", &TraceBasis::Nodes)
+    .def_property_readonly("ndof", &TraceBasis::NDof);
+  py::class_<NodalTraceBasis, shared_ptr<NodalTraceBasis>, TraceBasis>(m, "NodalTraceBasis")
+    .def(py::init([] (shared_ptr<CrackedMesh> body, int order, CrackNodes nodes) { return make_shared<NodalTraceBasis>(body, order, nodes); }),
+         py::arg("body"), py::arg("order"), py::arg("nodes"))
+    .def("DofPositions", &NodalTraceBasis::DofPositions, py::arg("crack"))
+    .def(py::pickle([] (const NodalTraceBasis & b) { return py::cast(b.Arguments()).cast<py::tuple>(); },
+                    [] (py::tuple t) { return make_shared<NodalTraceBasis>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<int>(), t[2].cast<CrackNodes>()); }));
+  py::class_<MeshTraceBasis, shared_ptr<MeshTraceBasis>, TraceBasis>(m, "MeshTraceBasis")
+    .def(py::init([] (shared_ptr<CrackedMesh> body, int order, CrackNodes nodes, const std::set<size_t> & left_out)
+                  { return make_shared<MeshTraceBasis>(body, order, nodes, left_out); }),
+         py::arg("body"), py::arg("order"), py::arg("nodes"), py::arg("left_out"))
+    .def(py::pickle([] (const MeshTraceBasis & b) { return py::cast(b.Arguments()).cast<py::tuple>(); },
+                    [] (py::tuple t) { return make_shared<MeshTraceBasis>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<int>(), t[2].cast<CrackNodes>(),
+                                                                          t[3].cast<std::set<size_t>>()); }));
+  space
+    .def(py::init(&MakeTraceSpace), py::arg("body"), py::arg("basis"), py::arg("order"))
+    .def_property_readonly("body", &TraceSpace::GetBody)
+    .def_property_readonly("basis", &TraceSpace::Basis)
+    .def_property_readonly("order", [] (const TraceSpace & w) { return w.GetOrder(); })
+    .def_property_readonly("dcrack", &TraceSpace::CrackSymbol, "The measure on the cracks, its rules divided at the nodes of this space.")
+    .def(py::pickle([] (const TraceSpace & w) { return py::make_tuple(w.GetBody(), w.Basis(), w.GetOrder()); },
+                    [] (py::tuple t) { return MakeTraceSpace(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<shared_ptr<TraceBasis>>(), t[2].cast<int>()); }));
+}
+
+void ExportSpaces (py::module & m)
+{
+  ExportTipSpec(m);
+  ExportCrackFESpace(m);
+  ExportTraceSpace(m);
+}

@@ -1,0 +1,9 @@
+"""`python -m pytest` puts the source tree first on the path; test what is installed instead."""
+
+import sys
+from pathlib import Path
+
+ROOT = str(Path(__file__).resolve().parents[1])
+
+if ROOT in sys.path:
+    sys.path.remove(ROOT)
