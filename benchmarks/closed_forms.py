@@ -1,0 +1,96 @@
+"""Errors and rates on the closed forms (a) to (d), means over rotated and shifted bodies.
+
+    python benchmarks/closed_forms.py [a b c d] [--realisations 10]
+"""
+
+import argparse
+
+import numpy as np
+from ngsolve import TaskManager, ngsglobals
+
+from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact import closed_forms as cf
+
+PAIRS = {"P2/P1": (2, 1, False), "P2/P0": (2, 0, False), "P1+/P1": (1, 1, True), "P1/P1": (1, 1, False), "P1/P0": (1, 0, False)}
+MATERIAL = Elasticity(lam=1, mu=1)
+
+
+def solve(mesh, crack, exact, pair, tip=None, stabilisation=BarbosaHughes(), data="displacement"):
+    """The contact problem with the exact displacement on the whole boundary."""
+    order, multiplier_order, bubble = PAIRS[pair]
+    body = CrackedMesh(mesh, crack)
+    V = CrackFESpace(body, order=order, bubble=bubble, tip=tip, dirichlet="outer")
+    problem = ContactProblem(V, TraceSpace(body, order=multiplier_order), MATERIAL, stabilisation=stabilisation)
+    problem.SetDirichlet(exact.u, "outer")
+    return problem.Solve()
+
+
+def case_a(i, maxh, pair, stabilisation=BarbosaHughes(), tip=None):
+    """A closed crack from a mouth to a tip under uniform stress: (error of u, of λ), relative."""
+    angle, offset = position(i)
+    exact = cf.uniform_compression(MATERIAL)
+    solution = solve(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(cf.mouths(angle, offset)[0], 0), exact, pair, tip, stabilisation)
+    return cf.energy_error(solution, exact), cf.pressure_error(solution, exact)
+
+
+def case_tip(exact, K, i, maxh, pair, r1=0.4):
+    """An edge crack with its tip at the origin: (energy error, λ error, error of the K that is 1)."""
+    angle, offset = position(i)
+    tip = TipEnrichment(r1=r1, material=MATERIAL)
+    solution = solve(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(cf.mouths(angle, offset)[0], 0), exact, pair, tip)
+    return cf.energy_error(solution, exact), cf.pressure_error(solution, exact), getattr(solution.StressIntensity(), K) - 1
+
+
+def case_d(i, maxh, pair):
+    """A crack through the body that opens on its right part: (energy error, λ error)."""
+    angle, offset = position(i)
+    exact = cf.contact_transition(MATERIAL)
+    solution = solve(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(*cf.mouths(angle, offset)), exact, pair)
+    return cf.energy_error(solution, exact), cf.pressure_error(solution, exact)
+
+
+def position(i):
+    """Angle and offset of the i-th body: irrational steps, the tip stays at least 0.4 away from the boundary."""
+    return 0.1 + 0.7 * ((i * 0.618034) % 1), (0.05 * np.cos(2.4 * i), 0.05 * np.sin(2.4 * i))
+
+
+def means(case, maxhs, pair, realisations):
+    """Mean errors, (len(maxhs), quantities)."""
+    return np.array([np.mean([np.abs(case(i, maxh, pair)) for i in range(realisations)], axis=0) for maxh in maxhs])
+
+
+def rates(maxhs, errors):
+    """Slopes fitted to the logarithms of the last three; nan for errors that are zero."""
+    return [np.polyfit(np.log(maxhs[-3:]), np.log(e[-3:]), 1)[0] if e.all() else np.nan for e in errors.T]
+
+
+def report(name, case, maxhs, pairs, realisations):
+    """One line for each pair: rates and mean errors of energy norm, λ (and K)."""
+    for pair in pairs:
+        errors = means(case, maxhs, pair, realisations)
+        print(f"({name}) {pair:7} rates " + " ".join(f"{r:5.2f}" for r in rates(maxhs, errors)) + "   errors " + "  ".join("/".join(f"{e:.1e}" for e in row) for row in errors), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="*", default=["a", "b", "c", "d"])
+    parser.add_argument("--realisations", type=int, default=10)
+    arguments = parser.parse_args()
+    ngsglobals.msg_level = 0
+    n = arguments.realisations
+    with TaskManager():
+        if "a" in arguments.cases:
+            for pair in PAIRS:
+                errors = np.array([case_a(i, 0.1, pair) for i in range(n)])
+                print(f"(a) {pair:7} worst of {n}: u {errors[:, 0].max():.1e}  λ {errors[:, 1].max():.1e}", flush=True)
+        fine = [0.04, 0.02, 0.0141, 0.01]        # r1 / 20 = 0.02
+        if "b" in arguments.cases:
+            report("b", lambda *a: case_tip(cf.open_tip(MATERIAL), "K_I", *a), fine, ["P2/P1", "P1/P1"], n)
+        if "c" in arguments.cases:
+            report("c", lambda *a: case_tip(cf.slipping_tip(MATERIAL), "K_II", *a), fine, ["P2/P1", "P2/P0", "P1+/P1", "P1/P1", "P1/P0"], n)
+        if "d" in arguments.cases:
+            report("d", case_d, [0.1, 0.05, 0.025, 0.0125], list(PAIRS), n)
+
+
+if __name__ == "__main__":
+    main()

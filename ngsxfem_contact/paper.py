@@ -1,0 +1,76 @@
+"""The test of section 4 of [AHLMR12]: Ω = ]0,1[ × ]-½,½[, Γ_C = ]0,½[ × {0}, loads A, B and C.
+
+Finding 2 of docs/method.md: the load as printed in the paper (A) opens the crack on its whole length; its authors'
+program applies B (later C), whose contact pressure and gap depend on the body force only.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, Mesh, cos, sin, specialcf, x, y
+
+from ._ngsxfem_contact import Crack, CrackedMesh
+from .elasticity import Elasticity
+from .problem import ContactProblem
+from .spaces import CrackFESpace, TipEnrichment, TraceSpace
+from .stabilisation import BarbosaHughes
+
+MATERIAL = Elasticity(lam=1, mu=1)
+
+BODY_FORCE = CF((0, 3.5 * x * (1 - x) * y * cos(2 * pi * x)))
+
+TRACTION = {
+    "A": CF((0, 0.04 * sin(2 * pi * y))),
+    "B": 0.04 * sin(2 * pi * y) * specialcf.normal(2),
+    "C": 0.4 * sin(2 * pi * y) * specialcf.normal(2),
+}
+
+
+# Boundary-fitted hp solutions, independent of this package: ½a(u,u), ∫λ, end of the opening (arc length), K_I and K_II.
+REFERENCE = {
+    "A": {"energy": 0.00117393376, "contact_force": 0.0, "transition": None, "K_I": 0.0457374, "K_II": 0.0},
+    "B": {"energy": 3.40135917e-4, "contact_force": -0.01035791, "transition": 0.2641001, "K_I": 0.0, "K_II": -0.00790112},
+    "C": {"energy": 0.0129971992, "contact_force": -0.01035791, "transition": 0.2641001, "K_I": 0.0, "K_II": -0.0790112},
+}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Orders of the displacement and the multiplier; bubble: P1+."""
+
+    order: int
+    multiplier_order: int
+    bubble: bool = False
+
+
+PAIRS = {
+    "P2/P1": Pair(2, 1),
+    "P2/P0": Pair(2, 0),
+    "P1+/P1": Pair(1, 1, bubble=True),
+    "P1/P1": Pair(1, 1),
+    "P1/P0": Pair(1, 0),
+}
+
+
+def unstructured_mesh(h):
+    """Of the body, boundaries "bottom", "right", "top", "left"; h is the paper's, half the longest edges: maxh = 2h."""
+    geometry = SplineGeometry()
+    corners = [geometry.AppendPoint(*p) for p in ((0, -0.5), (1, -0.5), (1, 0.5), (0, 0.5))]
+    for i, name in enumerate(("bottom", "right", "top", "left")):
+        geometry.Append(["line", corners[i], corners[(i + 1) % 4]], bc=name)
+    return Mesh(geometry.GenerateMesh(maxh=2 * h))
+
+
+def paper_problem(mesh, load="B", pair="P2/P1", stabilisation=BarbosaHughes(), cone="nonpositive", tip=TipEnrichment(material=MATERIAL)):
+    """The ContactProblem on a mesh of the body; load "A", "B" or "C"; pair: a key of PAIRS."""
+    body = CrackedMesh(mesh, Crack([(0, 0), (0.5, 0)]))
+    orders = PAIRS[pair]
+    V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip)
+    W = TraceSpace(body, order=orders.multiplier_order)
+    problem = ContactProblem(V, W, MATERIAL, stabilisation=stabilisation, cone=cone)
+    v = V.TestFunction()
+    problem.f += BODY_FORCE * v * body.dx(bonus_intorder=6) + TRACTION[load] * v * body.ds("left|right", bonus_intorder=6)
+    problem.Pin((1, -0.5), "xy")
+    problem.Pin((1, 0.5), "x")
+    return problem

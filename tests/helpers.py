@@ -1,0 +1,90 @@
+"""Small meshes, brute-force geometry and linear algebra that the tests share."""
+
+import numpy as np
+from netgen.geom2d import SplineGeometry
+from ngsolve import BilinearForm, GridFunction, LinearForm, Mesh
+from ngsolve.meshes import MakeStructured2DMesh
+from scipy.sparse import csr_matrix
+
+
+def rectangle(maxh, lower=(0, 0), upper=(1, 1)):
+    geometry = SplineGeometry()
+    geometry.AddRectangle(lower, upper, bcs=["bottom", "right", "top", "left"])
+    return Mesh(geometry.GenerateMesh(maxh=maxh))
+
+
+def structured(n):
+    """n × n squares of the unit square, each divided by the diagonal from upper left to lower right."""
+    return MakeStructured2DMesh(quads=False, nx=n, ny=n)
+
+
+def array(vector):
+    return vector.FV().NumPy().copy()
+
+
+def matrix(form, *spaces):
+    """The assembled matrix as a scipy matrix."""
+    return to_scipy(BilinearForm(form, *spaces).Assemble().mat)
+
+
+def to_scipy(mat):
+    values, columns, rows = (np.array(part) for part in mat.CSR())
+    return csr_matrix((values, columns, rows), shape=(mat.height, mat.width))
+
+
+def vector(form):
+    return array(LinearForm(form).Assemble().vec)
+
+
+def random_function(space, seed=0):
+    function = GridFunction(space)
+    function.vec.FV().NumPy()[:] = np.random.default_rng(seed).uniform(-1, 1, space.ndof)
+    return function
+
+
+def basis_function(space, dof):
+    function = GridFunction(space)
+    function.vec[dof] = 1
+    return function
+
+
+def vertices(mesh, element):
+    from ngsolve import VOL, ElementId
+
+    return np.array([mesh[v].point for v in mesh[ElementId(VOL, element)].vertices])
+
+
+def clip(polygon, point, normal):
+    """The part of a convex polygon where (x - point)·normal ≥ 0."""
+    polygon, result = [np.asarray(p, float) for p in polygon], []
+    d = [float(np.dot(p - point, normal)) for p in polygon]
+    for i in range(len(polygon)):
+        j = (i + 1) % len(polygon)
+        if d[i] >= 0:
+            result.append(polygon[i])
+        if d[i] * d[j] < 0:
+            result.append(polygon[i] + d[i] / (d[i] - d[j]) * (polygon[j] - polygon[i]))
+    return result
+
+
+def moment(polygon, a=0, b=0):
+    """∫ x^a y^b over a polygon, counter-clockwise, by Green's theorem: exact up to round-off."""
+    nodes, weights = np.polynomial.legendre.leggauss(a + b + 2)
+    total = 0.0
+    for i in range(len(polygon)):
+        p, q = np.asarray(polygon[i]), np.asarray(polygon[(i + 1) % len(polygon)])
+        points = p + 0.5 * (1 + nodes[:, None]) * (q - p)
+        total += 0.5 * (q - p)[1] * (weights @ (points[:, 0] ** (a + 1) * points[:, 1] ** b)) / (a + 1)
+    return total
+
+
+def left_normal(p, q):
+    t = np.subtract(q, p) / np.hypot(*np.subtract(q, p))
+    return np.array([-t[1], t[0]])
+
+
+def on_crack(body, s, crack=0):
+    """Points of the mesh on a crack, for GridFunctions and their operators."""
+    from ngsxfem_contact.spaces import crack_points
+
+    return crack_points(body, crack, s)
