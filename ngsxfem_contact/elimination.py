@@ -4,21 +4,26 @@ import numpy as np
 
 
 class StiffnessInverse:
-    """The inverse of a symmetric positive definite matrix of NGSolve on the free unknowns, with iterative refinement."""
+    """The inverse of a symmetric positive definite matrix of NGSolve on the free unknowns."""
 
     def __init__(self, matrix, free, inverse):
         self.matrix, self.factors = matrix, matrix.Inverse(free, inverse=inverse)
         self.fixed = ~np.array(free, dtype=bool)
-        self.x, self.y, self.r = (matrix.CreateColVector() for _ in range(3))
+        self.x, self.r = matrix.CreateColVector(), matrix.CreateColVector()
 
     def Solve(self, rhs):
         """The solution for a right-hand side, arrays of length ndof; zero on fixed unknowns."""
         self.r.FV().NumPy()[:] = rhs
         self.x.data = self.factors * self.r
+        return self.x.FV().NumPy().copy()
+
+    def SolveRefined(self, rhs):
+        """The same with one step of iterative refinement."""
+        x = self.Solve(rhs)
         self.r.data -= self.matrix * self.x
-        self.r.FV().NumPy()[self.fixed] = 0
-        self.y.data = self.factors * self.r
-        return self.x.FV().NumPy() + self.y.FV().NumPy()
+        residual = self.r.FV().NumPy().copy()
+        residual[self.fixed] = 0
+        return x + self.Solve(residual)
 
 
 def schur_complement(E, inverse):

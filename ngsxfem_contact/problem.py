@@ -93,7 +93,7 @@ class ContactProblem:
         return ContactSystem(self)
 
     def Solve(self, **options):
-        """Solves and returns a ContactSolution; options: see `solver.solve`.
+        """Solves and returns a ContactSolution; options: inverse, cone, r, start, max_iterations, see `solver.solve`.
 
         Raises SingularSystem (rigid motions left free, or multipliers that no displacement feels), NotCoercive
         (gamma0 too large), NotConverged.

@@ -53,41 +53,65 @@ class Stopwatch:
         self.timings[name], self.last = now - self.last, now
 
 
-def solve(problem, r=1.0, start=None, inverse="sparsecholesky", max_iterations=100):
+def solve(problem, inverse="sparsecholesky", **options):
     """Solves a ContactProblem and returns its ContactSolution.
 
-    r: the parameter of the projection (39), relative; the answer does not depend on it.
-    start: first active set (boolean, one for each nodal sign); default empty.
     inverse: NGSolve's direct solver for K - K_γ, which is symmetric positive definite.
+    options: cone, r, start, max_iterations as for ReducedProblem.Solve.
     Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
     """
-    report = Report((int(problem.V.ndof), int(problem.W.ndof)))
-    watch = Stopwatch(report.timings)
-    check_rigid_motions(problem)
-    watch.Mark("check")
-    with TaskManager():
-        system = problem.Assemble()
-        check_data(system, problem)
-        watch.Mark("assemble")
-        check_coercive(problem)
-        factors = StiffnessInverse(system.stiffness, problem.free, inverse)
-        watch.Mark("factor")
-        given = problem.given.vec.FV().NumPy()
-        load = system.F - system.Stiffness(given)
-        S = schur_complement(system.E, factors) + system.D.toarray()
-        g = system.Residual(factors.Solve(load) + given, np.zeros(len(S)))
-        watch.Mark("reduce")
-        T = problem.cone.Transformation(problem.W)
-        Q = T.T @ S @ T
+    return ReducedProblem(problem, inverse).Solve(**options)
+
+
+class ReducedProblem:
+    """A ContactProblem with the displacements eliminated: S = E A⁻¹ Eᵀ + D_γ, g = E A⁻¹F - G, E = B - C_γ, A = K - K_γ.
+
+    Solves for several cones or starts without another factorisation.
+    """
+
+    def __init__(self, problem, inverse="sparsecholesky"):
+        self.problem, self.timings = problem, {}
+        watch = Stopwatch(self.timings)
+        check_rigid_motions(problem)
+        watch.Mark("check")
+        with TaskManager():
+            self.system = system = problem.Assemble()
+            check_data(system, problem)
+            watch.Mark("assemble")
+            check_coercive(problem)
+            self.factors = StiffnessInverse(system.stiffness, problem.free, inverse)
+            watch.Mark("factor")
+            self.given = problem.given.vec.FV().NumPy().copy()
+            self.load = system.F - system.Stiffness(self.given)
+            self.S = schur_complement(system.E, self.factors) + system.D.toarray()
+            self.g = system.Residual(self.Displacement(np.zeros(len(self.S))), np.zeros(len(self.S)))
+            watch.Mark("reduce")
+
+    def Displacement(self, L):
+        """U for a multiplier L."""
+        return self.factors.SolveRefined(self.load + self.system.E.T @ L) + self.given
+
+    def Solve(self, cone=None, r=1.0, start=None, max_iterations=100):
+        """The ContactSolution.
+
+        cone: an object of `cones`; default the problem's.    r: the parameter of the projection (39), relative; the
+        answer does not depend on it.    start: first active set (boolean, one for each nodal sign); default empty.
+        """
+        problem, system = self.problem, self.system
+        report = Report((int(problem.V.ndof), int(problem.W.ndof)), dict(self.timings))
+        watch = Stopwatch(report.timings)
+        T = (cone or problem.cone).Transformation(problem.W)
+        Q = T.T @ self.S @ T
         check_multiplier(Q)
-        result = solve_active_set(Q, T.T @ g, r, start, max_iterations)
+        result = solve_active_set(Q, T.T @ self.g, r, start, max_iterations)
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
         watch.Mark("active set")
         L = T @ result.p
-        U = factors.Solve(load + system.E.T @ L) + given
-    accept(report, system, problem, U, L, T)
-    watch.Mark("recover")
-    return make_solution(problem, U, L, report, system.gamma)
+        with TaskManager():
+            U = self.Displacement(L)
+        accept(report, system, problem, U, L, T)
+        watch.Mark("recover")
+        return make_solution(problem, U, L, report, system.gamma)
 
 
 def make_solution(problem, U, L, report, gamma):

