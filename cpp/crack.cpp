@@ -136,4 +136,14 @@ namespace ngsxfem_contact
       }
     return d >= 0 ? Side::Plus : Side::Minus;
   }
+
+  std::pair<double, Point> Distance (const Crack & a, const Crack & b)
+  {
+    std::pair<double, Point> best { std::numeric_limits<double>::infinity(), Point(0,0) };
+    for (size_t i = 0; i < a.NumSegments(); i++)
+      for (size_t j = 0; j < b.NumSegments(); j++)
+        if (double d = Distance(a.Points()[i], a.Points()[i+1], b.Points()[j], b.Points()[j+1]); d < best.first)
+          best = { d, Lerp(a.Points()[i], a.Points()[i+1], 0.5) };
+    return best;
+  }
 }

@@ -59,4 +59,7 @@ namespace ngsxfem_contact
     void CheckSegments() const;
     void CheckSelfContact() const;
   };
+
+  /// The distance of two cracks, and a point of the first where it is attained.
+  std::pair<double, Point> Distance (const Crack & a, const Crack & b);
 }

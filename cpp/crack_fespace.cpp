@@ -8,12 +8,18 @@ namespace ngsxfem_contact
   /// the square root of it, relative to the jump.
   constexpr double smallest_part = 1e-14;
 
+  namespace
+  {
+    /// The cracks are located in one mesh: a space on them does not follow its refinement.
+    Flags Fixed (Flags flags) { return flags.SetFlag("autoupdate", false); }
+  }
+
   CrackFESpace :: CrackFESpace (shared_ptr<CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags)
-    : FESpace(abody->GetMesh(), flags), body(abody), tolerance(atolerance)
+    : FESpace(abody->GetMesh(), Fixed(flags)), body(abody), tolerance(atolerance)
   {
     type = "crackfespace";
     if (iscomplex) throw Exception("CrackFESpace: complex=True is not supported; the space is real");
-    Flags scalar_flags(flags);
+    Flags scalar_flags = Fixed(flags);
     scalar_flags.SetFlag("dim", 1);
     scalar = CreateFESpace("h1ho", ma, scalar_flags);
     SetTips(atips);
@@ -34,16 +40,16 @@ namespace ngsxfem_contact
     tips.resize(places.size());
     if (specs.empty()) return;
     if (specs.size() != places.size())
-      throw Exception("CrackFESpace: " + ToString(specs.size()) + " tip enrichments for " + ToString(places.size()) + " tips; give one for each (body.tips)");
+      throw Exception("CrackFESpace: " + ngcore::ToString(specs.size()) + " tip enrichments for " + ngcore::ToString(places.size()) + " tips; give one for each (body.tips)");
     for (size_t i = 0; i < places.size(); i++)
       if (auto & spec = specs[i])
         {
           auto & tip = places[i];
           if (!(spec->r0 >= 0 && spec->r0 < spec->r1))
-            throw Exception("CrackFESpace: the cut-off of the tip at " + ToString(tip.point) + " needs 0 <= r0 < r1, got r0 = " + ToString(spec->r0) + ", r1 = " + ToString(spec->r1));
+            throw Exception("CrackFESpace: the cut-off of the tip at " + ToString(tip.point) + " needs 0 <= r0 < r1, got r0 = " + ngcore::ToString(spec->r0) + ", r1 = " + ngcore::ToString(spec->r1));
           if (spec->r1 > (1+1e-10)*tip.clearance)
-            throw Exception("CrackFESpace: the disk r1 = " + ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
-                            + tip.limit + ", at " + ToString(tip.clearance) + "; choose r1 below that");
+            throw Exception("CrackFESpace: the disk r1 = " + ngcore::ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
+                            + tip.limit + ", at " + ngcore::ToString(tip.clearance) + "; choose r1 below that");
           tips[i].emplace(tip.point, tip.ahead, tip.plus_sign, *spec);
           body->RequireTipQuadrature(i, { spec->r0, spec->r1 }, tolerance);
         }
@@ -59,6 +65,7 @@ namespace ngsxfem_contact
 
   void CrackFESpace :: Update ()
   {
+    body->CheckMesh();
     FESpace::Update();
     scalar->Update();
     scalar->FinalizeUpdate();
@@ -100,6 +107,7 @@ namespace ngsxfem_contact
   void CrackFESpace :: FindEnrichment ()
   {
     enrichment.clear();
+    supports.clear();
     for (size_t c = 0; c < body->NumCracks(); c++)
       {
         std::set<std::pair<int, size_t>> nodes;
@@ -120,15 +128,17 @@ namespace ngsxfem_contact
     Array<DofId> dofs;
     scalar->GetDofNrs(node, dofs);
     if (dofs.Size() == 0) return;
-    auto support = Support(node);
+    auto support = ElementsOf(node);
     if (HoldsTip(node, support, crack) || !IsCrossed(node, support, crack)) return;
-    auto [plus, minus] = SupportAreas(support, crack);
+    auto sides = SupportSides(node, support, crack);
+    auto [plus, minus] = SupportAreas(sides, crack);
     if (std::min(plus, minus) < smallest_part*(plus+minus)) return;
     for (auto dof : dofs)
-      enrichment.push_back({ dof, crack, plus >= minus ? 1 : -1 });
+      enrichment.push_back({ dof, supports.size() });
+    supports.push_back({ crack, plus >= minus ? 1 : -1, std::move(sides) });
   }
 
-  Array<int> CrackFESpace :: Support (NodeId node) const
+  Array<int> CrackFESpace :: ElementsOf (NodeId node) const
   {
     Array<int> elements;
     if (node.GetType() == NT_VERTEX)
@@ -170,28 +180,98 @@ namespace ngsxfem_contact
     return false;
   }
 
-  std::pair<double,double> CrackFESpace :: SupportAreas (FlatArray<int> support, size_t crack) const
+  /// The crack gives the side of what it touches; from there sides spread over the edges that it does not run along.
+  /// (The straight extension of the crack beyond a mouth may run through the body again, so distances will not do.)
+  std::map<size_t, int> CrackFESpace :: SupportSides (NodeId node, FlatArray<int> support, size_t crack) const
+  {
+    auto & location = body->Location(crack);
+    auto & curve = body->GetCrack(crack);
+    std::map<size_t, int> sides;
+    std::vector<std::pair<size_t, int>> queue;
+    auto place = [&] (size_t element, int side)
+    {
+      if (support.Contains(int(element)) && !location.Find(element) && sides.insert({ element, side }).second)
+        queue.push_back({ element, side });
+    };
+    auto spread = [&] (size_t element, auto side_of_edge)
+    {
+      for (auto edge : ma->GetElement(ElementId(VOL, element)).Edges())
+        {
+          Array<int> neighbours;
+          ma->GetEdgeElements(edge, neighbours);
+          for (auto neighbour : neighbours)
+            if (size_t(neighbour) != element) place(neighbour, side_of_edge(edge));
+        }
+    };
+    for (auto element : support)
+      if (auto carried = location.Find(element))
+        {
+          sides[element] = 0;
+          spread(element, [&] (size_t edge)
+          {
+            // just beyond the edge: the crack may run along it
+            auto [v0, v1] = ma->GetEdgePNums(edge);
+            auto & t = carried->triangle;
+            return int(curve.SideOf(Lerp(Centre({ t[0], t[1], t[2] }), Lerp(ma->GetPoint<2>(v0), ma->GetPoint<2>(v1), 0.5), 1.001)));
+          });
+        }
+    while (!queue.empty())
+      {
+        auto [element, side] = queue.back();
+        queue.pop_back();
+        spread(element, [side=side] (size_t) { return side; });
+      }
+    return sides;
+  }
+
+  std::pair<double,double> CrackFESpace :: SupportAreas (const std::map<size_t, int> & sides, size_t crack) const
   {
     double plus = 0, minus = 0;
-    for (auto element : support)
-      if (auto place = body->Location(crack).Find(element))
+    for (auto [element, side] : sides)
+      if (side == 0)
         {
-          plus += place->area_plus;
-          minus += place->area_minus;
+          auto location = body->Location(crack).Find(element);
+          plus += location->area_plus;
+          minus += location->area_minus;
         }
       else
-        (SideOfElement(ElementId(VOL, element), crack) > 0 ? plus : minus) += Area(VerticesOf(*ma, element));
+        (side > 0 ? plus : minus) += Area(VerticesOf(*ma, element));
     return { plus, minus };
   }
 
-  int CrackFESpace :: SideOfElement (ElementId ei, size_t crack) const
+  const CrackFESpace::Enrichment & CrackFESpace :: At (size_t j) const
   {
-    auto & location = body->Location(crack);
-    if (ei.VB() == VOL ? location.Find(ei.Nr()) != nullptr : location.FindBoundaryEdge(ei.Nr()) != nullptr) return 0;
-    Point center(0, 0);
-    auto vertices = ma->GetElement(ei).Vertices();
-    for (auto v : vertices) center += 1./vertices.Size() * Point(ma->GetPoint<2>(v));
-    return int(body->GetCrack(crack).SideOf(center));
+    if (j >= enrichment.size())
+      throw Exception("CrackFESpace: there is no Heaviside function " + ngcore::ToString(j) + "; the space has " + ngcore::ToString(enrichment.size()));
+    return enrichment[j];
+  }
+
+  DofId CrackFESpace :: HeavisideDof (size_t j, int component) const
+  {
+    At(j);
+    if (component != 0 && component != 1)
+      throw Exception("CrackFESpace: component " + ngcore::ToString(component) + " is neither 0 (x) nor 1 (y)");
+    return 2*NumScalar() + component*NumHeaviside() + j;
+  }
+
+  int CrackFESpace :: HeavisideSide (size_t j, size_t element) const
+  {
+    auto & sides = SupportOf(j).sides;
+    auto it = sides.find(element);
+    if (it == sides.end()) throw Exception("CrackFESpace: element " + ngcore::ToString(element) + " is not in the support of Heaviside function " + ngcore::ToString(j));
+    return it->second;
+  }
+
+  int CrackFESpace :: SideOfBoundaryElement (size_t element, const Support & support) const
+  {
+    if (body->Location(support.crack).FindBoundaryEdge(element)) return 0;
+    auto el = ma->GetElement(ElementId(BND, element));
+    Array<int> neighbours;
+    ma->GetEdgeElements(el.Edges()[0], neighbours);
+    for (auto neighbour : neighbours)
+      if (auto it = support.sides.find(neighbour); it != support.sides.end() && it->second != 0) return it->second;
+    auto v = el.Vertices();
+    return int(body->GetCrack(support.crack).SideOf(Lerp(ma->GetPoint<2>(v[0]), ma->GetPoint<2>(v[1]), 0.5)));
   }
 
   void CrackFESpace :: CollectHeaviside (VorB vb)
@@ -210,9 +290,10 @@ namespace ngsxfem_contact
           if (IsRegularDof(dofs[local]) && enriched.Test(dofs[local]))
             for (auto [it, last] = of_dof.equal_range(dofs[local]); it != last; ++it)
               {
-                auto & e = enrichment[it->second];
+                auto & support = SupportOf(it->second);
                 auto & f = functions[vb][i];
-                f.heaviside.push_back({ int(local), e.shift, e.crack, SideOfElement(ElementId(vb, i), e.crack) });
+                int side = vb == VOL ? HeavisideSide(it->second, i) : SideOfBoundaryElement(i, support);
+                f.heaviside.push_back({ int(local), support.shift, support.crack, side });
                 f.global.push_back(it->second);
               }
       }

@@ -15,7 +15,14 @@ namespace ngsxfem_contact
     std::vector<std::optional<TipFunctions>> tips;    // by tip of the body
     std::vector<size_t> first_tip_dof;
 
-    struct Enrichment { DofId dof; size_t crack; int shift; };
+    struct Support
+    {
+      size_t crack;
+      int shift;                                      // s_i
+      std::map<size_t, int> sides;                    // of its elements; 0: the crack divides it or runs along it
+    };
+    std::vector<Support> supports;
+    struct Enrichment { DofId dof; size_t support; };
     std::vector<Enrichment> enrichment;               // N_H
     struct ElementFunctions
     {
@@ -46,22 +53,27 @@ namespace ngsxfem_contact
     /// Dofs: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the same for y, the tips.
     size_t NumScalar () const { return scalar->GetNDof(); }
     size_t NumHeaviside () const { return enrichment.size(); }
-    DofId HeavisideDof (size_t j, int component) const { return 2*NumScalar() + component*NumHeaviside() + j; }
+    DofId HeavisideDof (size_t j, int component) const;
     /// The number of φ_i, and s_i, of the j-th Heaviside function.
-    std::pair<DofId, int> Heaviside (size_t j) const { return { enrichment[j].dof, enrichment[j].shift }; }
-    size_t HeavisideCrack (size_t j) const { return enrichment[j].crack; }
+    std::pair<DofId, int> Heaviside (size_t j) const { return { At(j).dof, SupportOf(j).shift }; }
+    size_t HeavisideCrack (size_t j) const { return SupportOf(j).crack; }
+    /// Of an element in the support: +1, -1, or 0 if the crack divides it or runs along it.
+    int HeavisideSide (size_t j, size_t element) const;
     std::vector<DofId> TipDofs (size_t tip) const;
 
   private:
     void SetTips (const std::vector<std::optional<TipSpec>> & specs);
     void FindEnrichment ();
     void EnrichNode (ngcomp::NodeId node, size_t crack);
-    Array<int> Support (ngcomp::NodeId node) const;
+    Array<int> ElementsOf (ngcomp::NodeId node) const;
     bool HoldsTip (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
     bool IsCrossed (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
-    std::pair<double,double> SupportAreas (FlatArray<int> support, size_t crack) const;
+    std::map<size_t, int> SupportSides (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
+    std::pair<double,double> SupportAreas (const std::map<size_t, int> & sides, size_t crack) const;
+    const Enrichment & At (size_t j) const;
+    const Support & SupportOf (size_t j) const { return supports[At(j).support]; }
     void CollectHeaviside (VorB vb);
     void CollectTips ();
-    int SideOfElement (ElementId ei, size_t crack) const;
+    int SideOfBoundaryElement (size_t element, const Support & support) const;
   };
 }

@@ -7,7 +7,7 @@ namespace ngsxfem_contact
   using ngfem::IntegrationRule, ngfem::IntegrationPoint;
 
   CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks)
-    : mesh(amesh), cracks(std::move(acracks))
+    : mesh(amesh), num_elements(amesh->GetNE(VOL)), cracks(std::move(acracks))
   {
     if (cracks.empty()) throw Exception("CrackedMesh: give at least one crack");
     locations.reserve(cracks.size());
@@ -17,8 +17,26 @@ namespace ngsxfem_contact
     FindTips();
   }
 
+  size_t CrackedMesh :: Checked (size_t crack) const
+  {
+    if (crack >= cracks.size())
+      throw Exception("CrackedMesh: there is no crack " + std::to_string(crack) + "; the body has " + std::to_string(cracks.size()));
+    return crack;
+  }
+
+  void CrackedMesh :: CheckMesh () const
+  {
+    if (mesh->GetNE(VOL) != num_elements)
+      throw Exception("CrackedMesh: the mesh has changed since the cracks were located in it; build a new CrackedMesh after refinement");
+  }
+
   void CrackedMesh :: CheckDistinct ()
   {
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (size_t d = c+1; d < cracks.size(); d++)
+        if (auto [distance, place] = Distance(cracks[c], cracks[d]); distance <= locations[c].Tolerance())
+          throw Exception("CrackedMesh: cracks " + std::to_string(c) + " and " + std::to_string(d) + " meet near "
+                          + ToString(place) + "; crossing and branching are not supported: separate them");
     for (size_t c = 0; c < cracks.size(); c++)
       for (auto & location : locations[c].Elements())
         if (auto [it, is_new] = crack_of_element.insert({ location.element, c }); !is_new)
@@ -48,7 +66,11 @@ namespace ngsxfem_contact
     { if (distance < tip.clearance) { tip.clearance = distance; tip.limit = what; } };
     for (size_t i = 0; i < mesh->GetNE(BND); i++)
       {
-        auto v = mesh->GetElement(ElementId(BND, i)).Vertices();
+        auto el = mesh->GetElement(ElementId(BND, i));
+        ngcore::Array<int> neighbours;
+        mesh->GetEdgeElements(el.Edges()[0], neighbours);
+        if (neighbours.Size() > 1) continue;            // an inner interface
+        auto v = el.Vertices();
         limit(Distance(tip.point, mesh->GetPoint<2>(v[0]), mesh->GetPoint<2>(v[1])), "the boundary of the body");
       }
     for (size_t c = 0; c < cracks.size(); c++)
@@ -70,6 +92,7 @@ namespace ngsxfem_contact
 
   shared_ptr<ngcore::BitArray> CrackedMesh :: CrackElements (std::optional<size_t> crack) const
   {
+    if (crack) Checked(*crack);
     auto elements = make_shared<ngcore::BitArray>(mesh->GetNE(VOL));
     elements->Clear();
     for (auto [element, c] : crack_of_element)
@@ -89,6 +112,7 @@ namespace ngsxfem_contact
 
   shared_ptr<const RuleTable> CrackedMesh :: Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes) const
   {
+    CheckMesh();
     std::lock_guard guard(rule_mutex);
     auto & table = rule_tables[RuleKey(domain, vb, order, nodes)];
     if (!table)
@@ -100,11 +124,37 @@ namespace ngsxfem_contact
     return table;
   }
 
-  const TipQuadrature * CrackedMesh :: TipQuadratureAt (const Triangle & t) const
+  std::vector<const TipQuadrature*> CrackedMesh :: TipsNear (const Triangle & t) const
   {
+    std::vector<const TipQuadrature*> near;
     for (auto & quadrature : tip_quadrature)
-      if (quadrature && DistanceToTriangle(quadrature->tip, t) < quadrature->Radius()) return &*quadrature;
-    return nullptr;
+      if (quadrature && DistanceToTriangle(quadrature->tip, t) < quadrature->Radius()) near.push_back(&*quadrature);
+    return near;
+  }
+
+  /// Disks reach at most half the way to other tips: divided along the bisectors, each part meets one disk at most.
+  void CrackedMesh :: AppendPart (const Triangle & part, int order, PointRule & rule) const
+  {
+    auto near = TipsNear(part);
+    std::vector<Polygon> polygons { Polygon(part.begin(), part.end()) };
+    for (size_t i = 0; i < near.size(); i++)
+      for (size_t j = i+1; j < near.size(); j++)
+        {
+          std::vector<Polygon> divided;
+          for (auto & polygon : polygons)
+            {
+              std::vector<double> d;
+              for (auto & p : polygon) d.push_back(Dot(Point(p-Lerp(near[i]->tip, near[j]->tip, 0.5)), Point(near[j]->tip-near[i]->tip)));
+              for (auto & half : Split(polygon, d))
+                if (half.size() > 2) divided.push_back(half);
+            }
+          polygons = std::move(divided);
+        }
+    for (auto & polygon : polygons)
+      for (auto & t : Fan(polygon))
+        if (auto tip = TipsNear(t); tip.empty()) AppendTriangle(t, order, rule);
+        else AppendTriangleNearTip(t, order, **std::min_element(tip.begin(), tip.end(), [&] (auto p, auto q)
+          { return Norm(Point(p->tip-Centre(polygon))) < Norm(Point(q->tip-Centre(polygon))); }), rule);
   }
 
   std::unique_ptr<ElementRule> CrackedMesh :: MakeRule (const PointRule & points, const Triangle & t) const
@@ -126,17 +176,14 @@ namespace ngsxfem_contact
   {
     auto location = Find(element);
     auto t = VerticesOf(*mesh, element);
-    auto tip = TipQuadratureAt(t);
     PointRule points;
-    auto append = [&] (const Triangle & part)
-    { tip ? AppendTriangleNearTip(part, order, *tip, points) : AppendTriangle(part, order, points); };
     if (location)
       {
         for (auto & piece : location->pieces)
-          if (domain == Domain::Bulk || piece.side == location->Larger()) append(piece.triangle);
+          if (domain == Domain::Bulk || piece.side == location->Larger()) AppendPart(piece.triangle, order, points);
       }
     else
-      append(t);
+      AppendPart(t, order, points);
     return MakeRule(points, t);
   }
 
@@ -144,7 +191,7 @@ namespace ngsxfem_contact
   {
     auto table = make_shared<RuleTable>(mesh->GetNE(VOL));
     for (size_t element = 0; element < mesh->GetNE(VOL); element++)
-      if (crack_of_element.count(element) || TipQuadratureAt(VerticesOf(*mesh, element)))
+      if (crack_of_element.count(element) || !TipsNear(VerticesOf(*mesh, element)).empty())
         table->Add(element, MakeVolumeRule(domain, element, order));
     return table;
   }
@@ -153,17 +200,23 @@ namespace ngsxfem_contact
                                                              const std::vector<double> & nodes) const
   {
     PointRule points;
-    auto tip = TipQuadratureAt(location.triangle);
+    auto near = TipsNear(location.triangle);
+    double tolerance = geometric_tolerance*location.h;
     for (auto & chord : location.chords)
       {
-        std::vector<double> cuts { chord.s0 };
-        for (double s : nodes)
-          if (s > chord.s0 + geometric_tolerance*location.h && s < chord.s1 - geometric_tolerance*location.h) cuts.push_back(s);
-        cuts.push_back(chord.s1);
+        std::vector<double> cuts { chord.s0, chord.s1 };
+        auto cut = [&] (double s) { if (s > chord.s0+tolerance && s < chord.s1-tolerance) cuts.push_back(s); };
+        for (double s : nodes) cut(s);
+        if (near.size() > 1) cut(0.5*crack.Length());      // a crack inside one element: a tip at either end
+        std::sort(cuts.begin(), cuts.end());
+        Point start = crack.Points()[chord.segment], t = crack.Tangent(chord.segment);
         for (size_t i = 0; i+1 < cuts.size(); i++)
           {
-            auto at = [&] (double s) { return Point(crack.Points()[chord.segment] + (s-crack.ArcLength(chord.segment))*crack.Tangent(chord.segment)); };
-            AppendSegment(at(cuts[i]), at(cuts[i+1]), order, tip, location.h, points);
+            auto at = [&] (double s) { return Point(start + (s-crack.ArcLength(chord.segment))*t); };
+            Point a = at(cuts[i]), b = at(cuts[i+1]), middle = Lerp(a, b, 0.5);
+            auto nearest = std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
+            { return Norm(Point(p->tip-middle)) < Norm(Point(q->tip-middle)); });
+            AppendSegment(a, b, order, nearest == near.end() ? nullptr : *nearest, location.h, points);
           }
       }
     return MakeRule(points, location.triangle);
@@ -180,7 +233,7 @@ namespace ngsxfem_contact
 
   std::unique_ptr<ElementRule> CrackedMesh :: MakeBoundaryRule (const CutBoundaryEdge & edge, int order) const
   {
-    double t = Norm(Point(edge.mouth-edge.a)) / Norm(Point(edge.b-edge.a));
+    double t = Norm(Point(edge.crossing-edge.a)) / Norm(Point(edge.b-edge.a));
     IntegrationRule ir;
     // the reference segment runs from the second vertex (0) to the first (1)
     for (auto [lo, hi] : { std::pair(0.0, 1-t), std::pair(1-t, 1.0) })

@@ -49,6 +49,7 @@ namespace ngsxfem_contact
   class CrackedMesh
   {
     shared_ptr<MeshAccess> mesh;
+    size_t num_elements;         // when the cracks were located
     std::vector<Crack> cracks;
     std::vector<CrackLocation> locations;
     std::vector<Tip> tips;
@@ -64,9 +65,12 @@ namespace ngsxfem_contact
     CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
 
     shared_ptr<MeshAccess> GetMesh() const { return mesh; }
+    /// Throws if the mesh was refined after the cracks were located in it.
+    void CheckMesh () const;
     size_t NumCracks() const { return cracks.size(); }
-    const Crack & GetCrack (size_t i) const { return cracks[i]; }
-    const CrackLocation & Location (size_t i) const { return locations[i]; }
+    /// These throw for a number that is not below NumCracks().
+    const Crack & GetCrack (size_t i) const { return cracks[Checked(i)]; }
+    const CrackLocation & Location (size_t i) const { return locations[Checked(i)]; }
     const std::vector<Tip> & Tips() const { return tips; }
 
     /// The location of an element that a crack crosses, ends in, or runs along; nullptr elsewhere.
@@ -86,10 +90,12 @@ namespace ngsxfem_contact
     const std::vector<Piece> & Pieces (size_t element) const { return Find(element)->pieces; }
 
   private:
+    size_t Checked (size_t crack) const;
     void CheckDistinct ();
     void FindTips ();
     void SetClearance (Tip & tip) const;
-    const TipQuadrature * TipQuadratureAt (const Triangle & t) const;
+    std::vector<const TipQuadrature*> TipsNear (const Triangle & t) const;
+    void AppendPart (const Triangle & part, int order, PointRule & rule) const;
     std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const Triangle & t) const;
     std::unique_ptr<ElementRule> MakeVolumeRule (Domain domain, size_t element, int order) const;
     std::unique_ptr<ElementRule> MakeCrackRule (const ElementLocation & location, const Crack & crack, int order, const std::vector<double> & nodes) const;

@@ -19,10 +19,6 @@ namespace ngsxfem_contact
       ~CurrentElement () { current_element = previous; }
     };
 
-    template <typename RULE> const RULE & Select (const ElementRule & rule);
-    template <> const IntegrationRule & Select (const ElementRule & rule) { return rule.ir; }
-    template <> const SIMD_IntegrationRule & Select (const ElementRule & rule) { return rule.simd_ir; }
-
     class CutBilinearFormIntegrator : public SymbolicBilinearFormIntegrator
     {
       using BASE = SymbolicBilinearFormIntegrator;
@@ -34,9 +30,9 @@ namespace ngsxfem_contact
       string Name () const override { return "Cut " + BASE::Name(); }
 
       const IntegrationRule & GetIntegrationRule (const FiniteElement & fel, LocalHeap & lh) const override
-      { return Rule<IntegrationRule>(fel, [&] () -> auto & { return BASE::GetIntegrationRule(fel, lh); }); }
+      { auto rule = Find(fel); return rule ? rule->ir : BASE::GetIntegrationRule(fel, lh); }
       const SIMD_IntegrationRule & Get_SIMD_IntegrationRule (const FiniteElement & fel, LocalHeap & lh) const override
-      { return Rule<SIMD_IntegrationRule>(fel, [&] () -> auto & { return BASE::Get_SIMD_IntegrationRule(fel, lh); }); }
+      { auto rule = Find(fel); return rule ? rule->simd_ir : BASE::Get_SIMD_IntegrationRule(fel, lh); }
 
       void CalcElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatMatrix<double> elmat, LocalHeap & lh) const override
       { CurrentElement here(trafo); BASE::CalcElementMatrix(fel, trafo, elmat, lh); }
@@ -48,18 +44,42 @@ namespace ngsxfem_contact
       { CurrentElement here(trafo); BASE::ApplyElementMatrix(fel, trafo, elx, ely, precomputed, lh); }
 
     private:
-      template <typename RULE, typename STANDARD>
-      const RULE & Rule (const FiniteElement & fel, STANDARD && standard) const
-      {
-        if (auto rule = measure.Rules(vb, Order(fel))->Find(current_element)) return Select<RULE>(*rule);
-        return standard();
-      }
-
-      int Order (const FiniteElement & fel) const
+      const ElementRule * Find (const FiniteElement & fel) const
       {
         auto mixed = dynamic_cast<const MixedFiniteElement*>(&fel);
         int order = mixed ? mixed->FETrial().Order() + mixed->FETest().Order() : 2*fel.Order();
-        return std::max(0, order + bonus_intorder - test_difforder - trial_difforder);
+        return measure.Rules(vb, std::max(0, order + bonus_intorder - test_difforder - trial_difforder))->Find(current_element);
+      }
+    };
+
+    class CutEnergyIntegrator : public SymbolicEnergy
+    {
+      using BASE = SymbolicEnergy;
+      Measure measure;
+    public:
+      CutEnergyIntegrator (shared_ptr<CoefficientFunction> acf, VorB avb, Measure ameasure)
+        : BASE(acf, avb, VOL), measure(std::move(ameasure)) { }
+
+      string Name () const override { return "Cut " + BASE::Name(); }
+
+      const IntegrationRule & GetIntegrationRule (const FiniteElement & fel, LocalHeap & lh) const override
+      { auto rule = Find(fel); return rule ? rule->ir : BASE::GetIntegrationRule(fel, lh); }
+      const SIMD_IntegrationRule & Get_SIMD_IntegrationRule (const FiniteElement & fel, LocalHeap & lh) const override
+      { auto rule = Find(fel); return rule ? rule->simd_ir : BASE::Get_SIMD_IntegrationRule(fel, lh); }
+
+      void CalcLinearizedElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatVector<double> elveclin, FlatMatrix<double> elmat, LocalHeap & lh) const override
+      { CurrentElement here(trafo); BASE::CalcLinearizedElementMatrix(fel, trafo, elveclin, elmat, lh); }
+      double Energy (const FiniteElement & fel, const ElementTransformation & trafo, FlatVector<double> elx, LocalHeap & lh) const override
+      { CurrentElement here(trafo); return BASE::Energy(fel, trafo, elx, lh); }
+      void ApplyElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, const FlatVector<double> elx, FlatVector<double> ely, void * precomputed, LocalHeap & lh) const override
+      { CurrentElement here(trafo); BASE::ApplyElementMatrix(fel, trafo, elx, ely, precomputed, lh); }
+
+    private:
+      const ElementRule * Find (const FiniteElement & fel) const
+      {
+        int difforder = 99;
+        for (auto proxy : trial_proxies) difforder = std::min(difforder, proxy->Evaluator()->DiffOrder());
+        return measure.Rules(vb, std::max(0, 2*(fel.Order()-difforder)+bonus_intorder))->Find(current_element);
       }
     };
 
@@ -79,36 +99,67 @@ namespace ngsxfem_contact
         auto rule = table->Find(trafo.GetElementNr());
         if (!rule)
           BASE::CalcElementVector(fel, trafo, elvec, lh);
+        else if (!simd_evaluate)
+          CalcScalar(fel, trafo, rule->ir, elvec, lh);
         else
-          CalcWithRule(fel, trafo, rule->simd_ir, elvec, lh);
+          try { CalcSIMD(fel, trafo, rule->simd_ir, elvec, lh); }
+          catch (const ngcore::ExceptionNOSIMD &) { CalcScalar(fel, trafo, rule->ir, elvec, lh); }
       }
 
     private:
-      void CalcWithRule (const FiniteElement & fel, const ElementTransformation & trafo, const SIMD_IntegrationRule & ir, FlatVector<double> elvec, LocalHeap & lh) const
+      /// Evaluates the form at the points of a mapped rule, calling add(proxy, component, values) for each.
+      template <typename MIR, typename F>
+      void EvaluateForm (const ElementTransformation & trafo, MIR & mir, size_t points, F && add, LocalHeap & lh) const
       {
-        HeapReset hr(lh);
         auto save_userdata = trafo.PushUserData();
-        auto & mir = trafo(ir, lh);
         ProxyUserData ud(0, gridfunction_cfs.Size(), lh);
         const_cast<ElementTransformation&>(trafo).userdata = &ud;
         for (auto function : gridfunction_cfs)
-          ud.AssignMemory(function, ir.GetNIP(), function->Dimension(), lh, function->IsComplex());
+          ud.AssignMemory(function, points, function->Dimension(), lh, function->IsComplex());
         PrecomputeCacheCF(cache_cfs, mir, lh);
-
-        elvec = 0;
         for (auto proxy : proxies)
           {
-            FlatMatrix<SIMD<double>> values(proxy->Dimension(), ir.Size(), lh);
             ud.testfunction = proxy;
-            for (size_t k = 0; k < proxy->Dimension(); k++)
-              {
-                ud.test_comp = k;
-                cf->Evaluate(mir, values.Rows(k, k+1));
-              }
-            for (size_t k = 0; k < proxy->Dimension(); k++)
-              for (size_t i = 0; i < ir.Size(); i++) values(k, i) *= mir[i].GetWeight();
-            proxy->Evaluator()->AddTrans(fel, mir, values, elvec);
+            add(proxy, ud);
           }
+      }
+
+      void CalcSIMD (const FiniteElement & fel, const ElementTransformation & trafo, const SIMD_IntegrationRule & ir, FlatVector<double> elvec, LocalHeap & lh) const
+      {
+        HeapReset hr(lh);
+        auto & mir = trafo(ir, lh);
+        elvec = 0;
+        EvaluateForm(trafo, mir, ir.GetNIP(), [&] (ProxyFunction * proxy, ProxyUserData & ud)
+        {
+          FlatMatrix<SIMD<double>> values(proxy->Dimension(), ir.Size(), lh);
+          for (size_t k = 0; k < proxy->Dimension(); k++)
+            {
+              ud.test_comp = k;
+              cf->Evaluate(mir, values.Rows(k, k+1));
+              for (size_t i = 0; i < ir.Size(); i++) values(k, i) *= mir[i].GetWeight();
+            }
+          proxy->Evaluator()->AddTrans(fel, mir, values, elvec);
+        }, lh);
+      }
+
+      void CalcScalar (const FiniteElement & fel, const ElementTransformation & trafo, const IntegrationRule & ir, FlatVector<double> elvec, LocalHeap & lh) const
+      {
+        HeapReset hr(lh);
+        auto & mir = trafo(ir, lh);
+        elvec = 0;
+        EvaluateForm(trafo, mir, ir.Size(), [&] (ProxyFunction * proxy, ProxyUserData & ud)
+        {
+          FlatMatrix<double> values(ir.Size(), proxy->Dimension(), lh), value(ir.Size(), 1, lh);
+          FlatVector<double> contribution(elvec.Size(), lh);
+          for (size_t k = 0; k < proxy->Dimension(); k++)
+            {
+              ud.test_comp = k;
+              cf->Evaluate(mir, value);
+              for (size_t i = 0; i < ir.Size(); i++) values(i, k) = mir[i].GetWeight() * value(i, 0);
+            }
+          proxy->Evaluator()->ApplyTrans(fel, mir, values, contribution, lh);
+          elvec += contribution;
+        }, lh);
       }
     };
 
@@ -135,6 +186,44 @@ namespace ngsxfem_contact
 
   shared_ptr<LinearFormIntegrator> CutIntegral :: MakeLinearFormIntegrator () const
   { return WithOptions<LinearFormIntegrator>(make_shared<CutLinearFormIntegrator>(cf, dx.vb, measure), dx); }
+
+  namespace
+  {
+    /// An energy over a measure of a CrackedMesh.
+    class CutVariation : public CutIntegral
+    {
+    public:
+      using CutIntegral::CutIntegral;
+      shared_ptr<BilinearFormIntegrator> MakeBilinearFormIntegrator () const override
+      { return WithOptions<BilinearFormIntegrator>(make_shared<CutEnergyIntegrator>(cf, dx.vb, measure), dx); }
+      shared_ptr<Integral> CreateSameIntegralType (shared_ptr<CoefficientFunction> acf) override
+      { return make_shared<CutVariation>(acf, dx, measure); }
+    };
+
+    /// An energy over a measure of NGSolve.
+    class StandardVariation : public Integral
+    {
+    public:
+      using Integral::Integral;
+      shared_ptr<BilinearFormIntegrator> MakeBilinearFormIntegrator () const override
+      { return WithOptions<BilinearFormIntegrator>(make_shared<SymbolicEnergy>(cf, dx.vb, dx.element_vb), dx); }
+      shared_ptr<Integral> CreateSameIntegralType (shared_ptr<CoefficientFunction> acf) override
+      { return make_shared<StandardVariation>(acf, dx); }
+    };
+  }
+
+  shared_ptr<SumOfIntegrals> MakeVariation (const SumOfIntegrals & form)
+  {
+    auto variation = make_shared<SumOfIntegrals>();
+    for (auto & integral : form.icfs)
+      {
+        shared_ptr<Integral> varied = make_shared<StandardVariation>(integral->cf, integral->dx);
+        if (auto cut = dynamic_pointer_cast<CutIntegral>(integral))
+          varied = make_shared<CutVariation>(cut->cf, cut->dx, cut->GetMeasure());
+        variation->icfs += varied;
+      }
+    return variation;
+  }
 
   std::optional<ngcore::BitArray> CutIntegral :: DefinedOn (const ngcomp::MeshAccess & ma) const
   {

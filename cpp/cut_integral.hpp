@@ -29,11 +29,13 @@ namespace ngsxfem_contact
 
   class CutIntegral : public ngfem::Integral
   {
+  protected:
     Measure measure;
   public:
     CutIntegral (shared_ptr<CoefficientFunction> acf, const ngfem::DifferentialSymbol & adx, Measure ameasure)
       : Integral(acf, adx), measure(std::move(ameasure)) { }
 
+    const Measure & GetMeasure () const { return measure; }
     double Integrate (const ngcomp::MeshAccess & ma, ngbla::FlatVector<double> element_wise) override;
     ngcore::Complex Integrate (const ngcomp::MeshAccess & ma, ngbla::FlatVector<ngcore::Complex> element_wise) override;
     shared_ptr<ngfem::BilinearFormIntegrator> MakeBilinearFormIntegrator () const override;
@@ -44,4 +46,7 @@ namespace ngsxfem_contact
   private:
     std::optional<ngcore::BitArray> DefinedOn (const ngcomp::MeshAccess & ma) const;
   };
+
+  /// The integrals of a form as energies: their integrators vary them. NGSolve's own Variation would lose the rules.
+  shared_ptr<ngfem::SumOfIntegrals> MakeVariation (const ngfem::SumOfIntegrals & form);
 }

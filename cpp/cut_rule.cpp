@@ -69,7 +69,7 @@ namespace ngsxfem_contact
 
     public:
       Sector (const TipQuadrature & atip, double areach, int order, std::optional<PolarLine> ainner, PolarLine aouter, PointRule & arule)
-        : tip(atip), reach(areach), n_radial(atip.RadialPoints(order)), n_angular(5+order/2 + int(-0.5*log10(atip.tolerance))),
+        : tip(atip), reach(areach), n_radial(atip.RadialPoints(order)), n_angular(8+order/2 + int(-0.5*log10(atip.tolerance))),
           inner(ainner), outer(aouter), rule(arule) { }
 
       void Append (double a, double b)
@@ -93,12 +93,12 @@ namespace ngsxfem_contact
       }
 
     private:
-      /// Halved until it is no longer than its distance to the angles at which r(θ) has a pole.
+      /// Halved until it is no longer than the distance to the angles at which r(θ) has a pole.
       void AppendSmooth (double a, double b, int depth)
       {
         double clear = outer.ToParallel(a, b);
         if (inner) clear = std::min(clear, inner->ToParallel(a, b));
-        if (depth > 0 && b-a > 2*clear+1e-13)
+        if (depth > 0 && b-a > clear+1e-13)
           {
             AppendSmooth(a, 0.5*(a+b), depth-1);
             AppendSmooth(0.5*(a+b), b, depth-1);
@@ -190,6 +190,13 @@ namespace ngsxfem_contact
     return std::min(12 + order, 20);
   }
 
+  double TipQuadrature :: AnnulusWidth (double r) const
+  {
+    auto above = breaks.upper_bound(r);
+    if (above == breaks.begin()) return *above;
+    return above == breaks.end() ? Radius() : *above - *std::prev(above);
+  }
+
   void AppendTriangle (const Triangle & t, int order, PointRule & rule)
   {
     double jacobian = 2*Area(t);
@@ -219,10 +226,10 @@ namespace ngsxfem_contact
     else
       {
         // √r is analytic up to the tip: the error of Gauss falls by e = z + √(z²-1) for each degree, z = 1 + 2r/h;
-        // χ² is a polynomial of degree 10 in r at the scale of the disk
-        double z = 1 + 2*r/h, e = z + sqrt(z*z-1), scale = 1 + tip.Radius()/h;
+        // χ² is a polynomial of degree 10 in r at the scale of its annulus
+        double z = 1 + 2*r/h, e = z + sqrt(z*z-1), scale = 1 + tip.AnnulusWidth(r)/h;
         double digits = -log(tip.tolerance);
-        int extra = int(std::ceil(std::max(0.5*digits/log(e), std::min(10.0, 0.5*digits/log(scale)))));
+        int extra = int(std::ceil(std::max(0.7*digits/log(e), std::min(10.0, 0.7*digits/log(scale)))));
         AppendTriangle(t, std::min(order+extra, 24), rule);
       }
   }

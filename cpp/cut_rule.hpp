@@ -18,6 +18,8 @@ namespace ngsxfem_contact
     double tolerance = 1e-10;      // aimed at, relative to the integral over an element
 
     double Radius () const { return *breaks.rbegin(); }
+    /// Between the two breaks around r: the scale on which χ varies there.
+    double AnnulusWidth (double r) const;
     /// 1D Gauss points that integrate the radial part, a polynomial in √r, with those of degree order beside it.
     int RadialPoints (int order) const;
   };

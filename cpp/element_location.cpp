@@ -33,27 +33,38 @@ namespace ngsxfem_contact
           throw Exception("CrackedMesh: element " + std::to_string(i)
                           + " is not a triangle; generate the mesh without quads (quad_dominated=False)");
     }
+  }
 
-    using Polygon = std::vector<Point>;
+  std::array<Polygon,2> Split (const Polygon & polygon, const std::vector<double> & d)
+  {
+    std::array<Polygon,2> parts;
+    double dmin = *std::min_element(d.begin(), d.end()), dmax = *std::max_element(d.begin(), d.end());
+    if (dmin >= 0) { parts[0] = polygon; return parts; }
+    if (dmax <= 0) { parts[1] = polygon; return parts; }
+    for (size_t i = 0; i < polygon.size(); i++)
+      {
+        size_t j = (i+1) % polygon.size();
+        if (d[i] >= 0) parts[0].push_back(polygon[i]);
+        if (d[i] <= 0) parts[1].push_back(polygon[i]);
+        if (d[i]*d[j] < 0)
+          for (auto & part : parts)
+            part.push_back(Lerp(polygon[i], polygon[j], d[i]/(d[i]-d[j])));
+      }
+    return parts;
+  }
 
-    /// The two parts of a convex polygon on the positive and the negative side of a line; empty where there is none.
-    std::array<Polygon,2> Split (const Polygon & polygon, const std::vector<double> & d)
-    {
-      std::array<Polygon,2> parts;
-      double dmin = *std::min_element(d.begin(), d.end()), dmax = *std::max_element(d.begin(), d.end());
-      if (dmin >= 0) { parts[0] = polygon; return parts; }
-      if (dmax <= 0) { parts[1] = polygon; return parts; }
-      for (size_t i = 0; i < polygon.size(); i++)
-        {
-          size_t j = (i+1) % polygon.size();
-          if (d[i] >= 0) parts[0].push_back(polygon[i]);
-          if (d[i] <= 0) parts[1].push_back(polygon[i]);
-          if (d[i]*d[j] < 0)
-            for (auto & part : parts)
-              part.push_back(Lerp(polygon[i], polygon[j], d[i]/(d[i]-d[j])));
-        }
-      return parts;
-    }
+  std::vector<Triangle> Fan (const Polygon & polygon)
+  {
+    std::vector<Triangle> triangles;
+    for (size_t i = 1; i+1 < polygon.size(); i++)
+      triangles.push_back({ polygon[0], polygon[i], polygon[i+1] });
+    return triangles;
+  }
+
+  Point Centre (const Polygon & polygon)
+  {
+    Point sum = std::accumulate(polygon.begin(), polygon.end(), Point(0.,0.), [] (Point a, Point b) { return Point(a+b); });
+    return Point(1./polygon.size() * sum);
   }
 
   CrackLocation :: CrackLocation (const MeshAccess & amesh, const Crack & acrack)
@@ -192,11 +203,9 @@ namespace ngsxfem_contact
     location.area_plus = location.area_minus = 0;
     for (auto & part : parts)
       {
-        Point center = std::accumulate(part.begin(), part.end(), Point(0.,0.), [] (Point a, Point b) { return Point(a+b); });
-        Side side = crack.SideOf(Point(1./part.size()*center));
-        for (size_t i = 1; i+1 < part.size(); i++)
+        Side side = crack.SideOf(Centre(part));
+        for (auto & t : Fan(part))
           {
-            Triangle t { part[0], part[i], part[i+1] };
             (side == Side::Plus ? location.area_plus : location.area_minus) += Area(t);
             location.pieces.push_back({ t, side });
           }
@@ -317,14 +326,19 @@ namespace ngsxfem_contact
 
   void CrackLocation :: LocateBoundary ()
   {
-    for (auto & end : ends)
-      if (end.kind == EndKind::Mouth && end.node.GetType() == ngfem::NT_EDGE)
-        for (size_t i = 0; i < mesh.GetNE(BND); i++)
+    std::map<size_t, size_t> boundary_of_edge;
+    for (size_t i = 0; i < mesh.GetNE(BND); i++)
+      boundary_of_edge[mesh.GetElement(ElementId(BND, i)).Edges()[0]] = i;
+    for (auto & location : elements)
+      for (auto edge : mesh.GetElement(ElementId(VOL, location.element)).Edges())
+        if (auto it = boundary_of_edge.find(edge); it != boundary_of_edge.end())
           {
-            auto el = mesh.GetElement(ElementId(BND, i));
-            if (size_t(el.Edges()[0]) != end.node.GetNr()) continue;
-            Point a = mesh.GetPoint<2>(el.Vertices()[0]), b = mesh.GetPoint<2>(el.Vertices()[1]);
-            boundary_edges[i] = { i, a, b, end.point, crack.SideOf(Lerp(a, end.point, 0.5)) };
+            auto v = mesh.GetElement(ElementId(BND, it->second)).Vertices();
+            Point a = mesh.GetPoint<2>(v[0]), b = mesh.GetPoint<2>(v[1]);
+            for (double s : { location.S0(), location.S1() })
+              if (Point p = crack.PointAt(s); Distance(p, a, b) <= 2*tolerance
+                  && Norm(Point(p-a)) > 2*tolerance && Norm(Point(p-b)) > 2*tolerance)
+                boundary_edges[it->second] = { it->second, a, b, p };
           }
   }
 

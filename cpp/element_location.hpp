@@ -26,6 +26,17 @@ namespace ngsxfem_contact
   using Triangle = std::array<Point,3>;
   double Area (const Triangle & t);
 
+  using Polygon = std::vector<Point>;
+
+  /// The two parts of a convex polygon on the positive and the negative side of a line, given the signed distances d of
+  /// its corners; empty where there is none.
+  std::array<Polygon,2> Split (const Polygon & polygon, const std::vector<double> & d);
+
+  /// A convex polygon as triangles.
+  std::vector<Triangle> Fan (const Polygon & polygon);
+
+  Point Centre (const Polygon & polygon);
+
   /// A part of T∩Γ_C on one segment of the crack, from arc length s0 to s1.
   struct Chord { size_t segment; double s0, s1; };
 
@@ -47,8 +58,8 @@ namespace ngsxfem_contact
     double S1 () const { return chords.back().s1; }
   };
 
-  /// A boundary edge that Γ_C divides at its mouth.
-  struct CutBoundaryEdge { size_t element; Point a, b, mouth; Side side_a; };
+  /// An edge of the boundary or of an inner interface that Γ_C crosses, at its mouth or elsewhere.
+  struct CutBoundaryEdge { size_t element; Point a, b, crossing; };
 
   enum class EndKind { Tip, Mouth };
 

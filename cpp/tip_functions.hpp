@@ -28,7 +28,6 @@ namespace ngsxfem_contact
 
   public:
     static constexpr int max_functions = 8;
-    static constexpr double smallest_r2 = 1e-200;  // keeps the functions finite at the tip itself
 
     TipFunctions (Point atip, Point aahead, int aplus_sign, TipSpec aspec)
       : tip(atip), ahead(aahead), left(-aahead(1), aahead(0)), plus_sign(aplus_sign), spec(aspec) { }
@@ -45,6 +44,8 @@ namespace ngsxfem_contact
     {
       Vec<2,T> d { p(0)-tip(0), p(1)-tip(1) };
       AutoDiff<2,T> x = Coordinate(d, ahead), y = Coordinate(d, left);
+      // finite at the tip itself, and harmless if a point of a rule is rounded onto it
+      double smallest_r2 = 1e-32*spec.r1*spec.r1;
       T r = sqrt(x.Value()*x.Value() + y.Value()*y.Value() + smallest_r2);
       AutoDiff<2,T> R(r);
       for (int i = 0; i < 2; i++)

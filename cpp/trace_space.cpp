@@ -159,7 +159,7 @@ namespace ngsxfem_contact
     : body(abody), order(aorder), nodes(std::move(anodes)), lobatto(order ? LobattoPoints(order) : std::vector<double>())
   {
     if (nodes.size() != body->NumCracks())
-      throw Exception("TraceSpace: nodes for " + ToString(nodes.size()) + " cracks, but the body has " + ToString(body->NumCracks()));
+      throw Exception("TraceSpace: nodes for " + ngcore::ToString(nodes.size()) + " cracks, but the body has " + ngcore::ToString(body->NumCracks()));
     first.push_back(0);
     for (size_t c = 0; c < nodes.size(); c++)
       {
@@ -167,7 +167,7 @@ namespace ngsxfem_contact
         bool increasing = nodes[c].size() > 1 && std::abs(nodes[c].front()) <= 1e-10*length && std::abs(nodes[c].back()-length) <= 1e-10*length;
         for (size_t i = 0; i+1 < nodes[c].size(); i++) increasing = increasing && nodes[c][i] < nodes[c][i+1];
         if (!increasing)
-          throw Exception("TraceSpace: the nodes on crack " + ToString(c) + " must be arc lengths that increase from 0 to its length " + ToString(length));
+          throw Exception("TraceSpace: the nodes on crack " + ngcore::ToString(c) + " must be arc lengths that increase from 0 to its length " + ngcore::ToString(length));
         size_t intervals = nodes[c].size()-1;
         first.push_back(first.back() + (order ? intervals*order+1 : intervals));
       }
@@ -256,7 +256,7 @@ namespace ngsxfem_contact
   }
 
   TraceSpace :: TraceSpace (shared_ptr<CrackedMesh> abody, shared_ptr<TraceBasis> abasis, const Flags & flags)
-    : FESpace(abody->GetMesh(), flags), body(abody), basis(abasis)
+    : FESpace(abody->GetMesh(), Flags(flags).SetFlag("autoupdate", false)), body(abody), basis(abasis)
   {
     type = "tracespace";
     evaluator[VOL] = make_shared<TraceDiffOp>();

@@ -31,6 +31,8 @@ def parse(arguments):
     options = parser.parse_args(arguments)
     if not 0 < options.h <= 0.5:
         parser.error(f"--h {options.h}: must be positive and at most 0.5")
+    if options.gamma0 is not None and not 0 < options.gamma0 < float("inf"):
+        parser.error(f"--gamma0 {options.gamma0}: must be positive; --unstabilised switches the stabilisation off")
     if options.unstabilised and options.gamma0 is not None:
         parser.error("--gamma0 and --unstabilised exclude each other")
     return options
@@ -132,7 +134,7 @@ def main(arguments=None):
     ngsglobals.msg_level = 0
     try:
         return run(parse(arguments))
-    except (SolveError, ImportError) as error:
+    except (SolveError, ImportError, OSError) as error:
         print(f"no answer: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -39,8 +39,12 @@ def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
     ends for every symmetric positive definite Q (Murty's least-index rule).
     Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
     """
+    if not 0 < r < float("inf"):
+        raise ValueError(f"r={r} must be positive and finite")
     r = r / np.diag(Q)
-    active = np.zeros(len(q), dtype=bool) if start is None else start.copy()
+    active = np.zeros(len(q), dtype=bool) if start is None else np.array(start, dtype=bool)
+    if active.shape != q.shape:
+        raise ValueError(f"start has {active.size} entries, there are {len(q)} nodal signs")
     history = [active]
     seen = {active.tobytes()}
     for _ in range(max_iterations):

@@ -22,6 +22,8 @@ def check_data(system, problem):
     ):
         if not np.isfinite(values).all():
             raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
+    if (system.G < -1e-12 * np.abs(system.G).max()).any():
+        raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first")
 
 
 def check_rigid_motions(problem):

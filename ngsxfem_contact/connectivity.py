@@ -5,8 +5,6 @@ from ngsolve import VOL
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from . import _ngsxfem_contact as core
-
 
 class VertexCopies:
     """A vertex whose function is enriched has a copy on each side of the crack; the others have one.
@@ -37,8 +35,9 @@ class VertexCopies:
         self.labels[~used] = -1
         self.parts = len(parts)
 
-    def _copy(self, vertex, sides):
-        own = tuple(sides[crack] for _, crack, _ in self.enriched.get(vertex, []))
+    def _copy(self, vertex, element, forced):
+        """The copy on the side of an element, or on a forced one with respect to the crack that divides it."""
+        own = tuple(self.V.HeavisideSide(j, element) or forced for j, _, _ in self.enriched.get(vertex, []))
         return self.index.setdefault((vertex, own), len(self.index))
 
     def _touches(self, vertices):
@@ -59,17 +58,12 @@ class VertexCopies:
         """Each part of an element beside a crack joins the copies of its vertices on its side."""
         edges = []
         body = self.V.body
-        locations = {location.element: (c, location) for c in range(len(body.cracks)) for location in body.Elements(c)}
-        points = [vertex.point for vertex in self.V.mesh.vertices]
+        locations = {location.element: location for c in range(len(body.cracks)) for location in body.Elements(c)}
         for element, vertices in self.beside:
-            center = tuple(np.mean([points[v] for v in vertices], axis=0))
-            sides = {c: int(crack.SideOf(center)) for c, crack in enumerate(body.cracks)}
-            crack, location = locations.get(element, (None, None))
-            divided = location is not None and location.kind != core.ElementKind.Aligned
-            for side in (-1, 1) if divided else (None,):
-                if side is not None:
-                    sides[crack] = side
-                first, *others = [self._copy(v, sides) for v in vertices]
+            location = locations.get(element)
+            forced = {0} if location is None else {int(piece.side) for piece in location.pieces}
+            for side in forced:
+                first, *others = [self._copy(v, element, side) for v in vertices]
                 edges += [(first, other) for other in others]
         return edges
 

@@ -6,6 +6,12 @@ from math import isfinite
 from ngsolve import Id, Trace
 
 
+def check_engineering_constants(E, nu, limit):
+    """Raises ValueError unless E > 0 and -1 < nu < limit."""
+    if not (0 < E < float("inf") and -1 < nu < limit):
+        raise ValueError(f"E={E}, nu={nu}: Young's modulus must be positive, Poisson's ratio between -1 and {limit}")
+
+
 @dataclass(frozen=True)
 class Elasticity:
     """σ = lam tr(ε) I + 2 mu ε, the stress in the unit of lam and mu.
@@ -29,11 +35,13 @@ class Elasticity:
     @staticmethod
     def PlaneStrain(E, nu):
         """From Young's modulus E > 0 and Poisson's ratio -1 < nu < 1/2."""
+        check_engineering_constants(E, nu, 0.5)
         return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)))
 
     @staticmethod
     def PlaneStress(E, nu):
-        """A thin plate: lam is replaced by E nu / (1 - nu²)."""
+        """A thin plate, -1 < nu < 1: lam is replaced by E nu / (1 - nu²)."""
+        check_engineering_constants(E, nu, 1)
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)))
 
     @property

@@ -5,6 +5,7 @@ from ngsolve import VERTEX, BilinearForm, BitArray, CoefficientFunction, GridFun
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import splu
 
+from . import _ngsxfem_contact as core
 from .cones import CONES
 from .operators import NormalGap, Strain
 from .solver import solve
@@ -12,6 +13,13 @@ from .spaces import check_regions, to_scipy
 from .stabilisation import BarbosaHughes, Unstabilised, normal_stress
 
 COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
+
+
+def check_modes(V, material):
+    """Raises ValueError if V has tip modes of another material: their lips would carry tractions."""
+    for spec in V.tip_specs:
+        if spec is not None and spec.basis == core.TipBasis.modes and not np.allclose((spec.kappa, spec.mu), (material.kappa, material.mu), rtol=1e-12):
+            raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {material}; pass the same to TipEnrichment(material=...)")
 
 
 class ContactProblem:
@@ -33,6 +41,9 @@ class ContactProblem:
             raise ValueError(f"ContactProblem: cone={cone!r} is not one of {sorted(CONES)}")
         if not isinstance(gap, CoefficientFunction) and not 0 <= gap < float("inf"):
             raise ValueError(f"ContactProblem: gap={gap} must be a finite number >= 0 (the faces do not overlap at first)")
+        if stabilisation is not None and not hasattr(stabilisation, "Gamma"):
+            raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
+        check_modes(V, material)
         self.V, self.W, self.material = V, W, material
         self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
@@ -63,6 +74,8 @@ class ContactProblem:
             self.given.vec[dofs[component]] = float(number)
 
     def _vertex_at(self, point):
+        if np.shape(point) != (2,):
+            raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
         vertices = np.array([v.point for v in self.V.mesh.vertices])
         distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
         nearest = int(np.argmin(distance))
@@ -76,10 +89,14 @@ class ContactProblem:
         value: CoefficientFunction with two components or tuple.    Raises ValueError for a region that is not fixed.
         """
         check_regions(self.V.mesh, region, "SetDirichlet: region")
+        value = CoefficientFunction(value)
+        if value.dim != 2:
+            raise ValueError(f"SetDirichlet: the value has {value.dim} component(s), the displacement has 2")
         V, body = self.V, self.body
         u, v = V.TnT()
         mass = to_scipy(BilinearForm(u * v * body.ds(region)).Assemble().mat)
-        load = LinearForm(CoefficientFunction(value) * v * body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
+        zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
+        load = LinearForm((value + CoefficientFunction((zero, zero))) * v * body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
         diagonal = mass.diagonal()
         dofs = np.flatnonzero(diagonal > 1e-14 * diagonal.max())
         if np.array([self.free[int(dof)] for dof in dofs]).any():
@@ -102,7 +119,9 @@ class ContactProblem:
 
 
 class ContactSystem:
-    """K - K_γ as an NGSolve matrix; B - C_γ, D_γ, G as scipy matrices; F as an array: the blocks of (38).
+    """K - K_γ as an NGSolve matrix; E = B - C_γ and D_γ as scipy matrices; F, G as arrays: the blocks of (38).
+
+    gamma: γ or None.    weights: ∫ψ_i, the length of Γ_C that belongs to each multiplier.
 
     Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
     """
@@ -131,6 +150,7 @@ class ContactSystem:
             self.D = csr_matrix((W.ndof, W.ndof))
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
         self.G = LinearForm(problem.gap * mu * dcrack).Assemble().vec.FV().NumPy().copy()
+        self.weights = LinearForm(mu * dcrack).Assemble().vec.FV().NumPy().copy()
 
     def Stiffness(self, U):
         """(K - K_γ) U for an array U."""

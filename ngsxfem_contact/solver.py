@@ -11,6 +11,9 @@ from .checks import check_coercive, check_data, check_multiplier, check_rigid_mo
 from .elimination import StiffnessInverse, schur_complement
 from .errors import NotConverged
 from .solution import ContactSolution
+from .spaces import to_scipy
+
+TINY = np.finfo(float).tiny
 
 
 @dataclass
@@ -124,18 +127,20 @@ def make_solution(problem, U, L, report, gamma):
 
 def accept(report, system, problem, U, L, T, tolerance=1e-8):
     """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
-    KU, EL = system.Stiffness(U), system.E.T @ L
     free = np.array(problem.free, dtype=bool)
-    scale = max(np.abs(KU).max(), np.abs(system.F).max(), np.abs(EL).max(), np.finfo(float).tiny)
-    report.residual = float(np.abs(KU - EL - system.F)[free].max() / scale)
-    report.complementarity = complementarity(np.linalg.solve(T, L), T.T @ system.Residual(U, L), np.abs(T.T) @ (abs(system.E) @ np.abs(U)))
+    EL, stiffest = system.E.T @ L, to_scipy(system.stiffness).diagonal()
+    forces = max(np.abs(system.F).max(), np.abs(EL).max(), np.abs(stiffest * U).max(), TINY)
+    report.residual = float(np.abs(system.Stiffness(U) - EL - system.F)[free].max() / forces)
+    report.complementarity = complementarity(system, problem, U, L, T)
     report.converged = report.residual < tolerance and report.complementarity < tolerance
     if not report.converged:
         raise NotConverged(f"the solution does not satisfy its own equations to {tolerance:g}:\n{report}")
 
 
-def complementarity(p, w, terms):
-    """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, relative to the largest pressure and to the terms that w sums."""
-    p = p / max(np.abs(p).max(), np.finfo(float).tiny)
-    w = w / max(terms.max(), np.finfo(float).tiny)
+def complementarity(system, problem, U, L, T):
+    """The largest violation of p ≤ 0, w ≤ 0, p·w = 0: pressures relative to the largest, gaps to the largest displacement."""
+    p, w = np.linalg.solve(T, L), T.T @ system.Residual(U, L)
+    displacement = np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max()
+    p = p / max(np.abs(p).max(), TINY)
+    w = w / np.maximum(np.abs(T.T) @ np.abs(system.weights) * displacement, TINY)
     return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))

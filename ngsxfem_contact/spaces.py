@@ -34,6 +34,8 @@ class TipEnrichment:
     def __post_init__(self):
         if self.cutoff not in core.CutOff.__members__:
             raise ValueError(f"TipEnrichment: cutoff={self.cutoff!r} is not one of {list(core.CutOff.__members__)}")
+        if not 0 < self.tolerance < 1:
+            raise ValueError(f"TipEnrichment: tolerance={self.tolerance} must lie between 0 and 1")
         if self.functions not in (None, "modes", "branch"):
             raise ValueError(f"TipEnrichment: functions={self.functions!r} is not 'modes' or 'branch'")
         if self.functions == "modes" and self.material is None:
@@ -98,8 +100,9 @@ class TraceSpace(core.TraceSpace):
             raise ValueError(f"TraceSpace: order={order} must be 0 or more")
         if nodes is None:
             nodes = [body.MeshNodes(c, order > 0) for c in range(len(body.cracks))]
-        elif np.ndim(nodes[0]) == 0:
+        elif np.ndim(nodes) == 1 and len(nodes) and np.ndim(nodes[0]) == 0:
             nodes = [nodes]
+        core.NodalTraceBasis(body, order, nodes)  # refuses nodes that do not fit
         if basis == "nodal" or (basis == "trace" and order == 0):
             functions = core.NodalTraceBasis(body, order, nodes)
         elif basis == "trace":
@@ -151,17 +154,19 @@ def mass_matrix(W):
     return to_scipy(BilinearForm(lam * mu * W.dcrack).Assemble().mat)
 
 
-def redundant_functions(body, order, nodes, tolerance=1e-9):
+def redundant_functions(body, order, nodes, tolerance=1e-7):
     """Which traces of mesh functions depend on others: the two steps of section 4 of [AHLMR12].
 
     First a Gram-Schmidt elimination among functions that overlap, then a Lanczos search for what is left of the kernel
     of the mass matrix, one function (that of the largest component) for each kernel vector.
     """
     mass = mass_matrix(core.TraceSpace(body, core.MeshTraceBasis(body, order, nodes, set()), order))
-    scale = 1 / np.sqrt(mass.diagonal())
+    diagonal = mass.diagonal()
+    traced = np.flatnonzero(diagonal > 1e-14 * diagonal.max())
+    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1))
     mass = (mass.multiply(scale).T.multiply(scale)).tocsr()
     kept = []
-    for i in range(mass.shape[0]):
+    for i in traced:
         overlapping = np.intersect1d(mass[i].indices, kept)
         block = mass[overlapping][:, overlapping].toarray()
         coupling = mass[overlapping][:, [i]].toarray().ravel()

@@ -5,7 +5,7 @@ using ngcomp::MeshAccess;
 
 static void ExportCrack (py::module & m)
 {
-  py::enum_<Side>(m, "Side").value("Minus", Side::Minus).value("Plus", Side::Plus);
+  py::enum_<Side>(m, "Side", "The side of a crack: Plus to the left of its direction of travel, Minus to the right.").value("Minus", Side::Minus).value("Plus", Side::Plus);
   py::class_<Crack>(m, "Crack", "An oriented polyline; its normal points to the left of the direction of travel, from the minus to the plus side.")
     .def(py::init(&ToCrack), py::arg("points"))
     .def_property_readonly("points", &PointsOf)
@@ -20,7 +20,7 @@ static void ExportCrack (py::module & m)
 
 static void ExportLocation (py::module & m)
 {
-  py::enum_<ElementKind>(m, "ElementKind")
+  py::enum_<ElementKind>(m, "ElementKind", "How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.")
     .value("Uncut", ElementKind::Uncut).value("Cut", ElementKind::Cut).value("Tip", ElementKind::Tip).value("Aligned", ElementKind::Aligned);
   py::class_<Degeneracy>(m, "Degeneracy")
     .def_readonly("through_vertex", &Degeneracy::through_vertex)
@@ -42,7 +42,7 @@ static void ExportLocation (py::module & m)
     .def_property_readonly("larger", &ElementLocation::Larger)
     .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); })
     .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); });
-  py::enum_<EndKind>(m, "EndKind").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
+  py::enum_<EndKind>(m, "EndKind", "An end of a crack: a Tip inside the body or a Mouth on its boundary.").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
   py::class_<CrackEnd>(m, "CrackEnd")
     .def_readonly("kind", &CrackEnd::kind)
     .def_readonly("s", &CrackEnd::s)
@@ -65,6 +65,8 @@ static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<
   std::vector<double> xi, eta;
   for (double s : arclengths)
     {
+      if (!(s >= -1e-10*crack.Length() && s <= (1+1e-10)*crack.Length()))
+        throw ngcore::Exception("OnCrack: arc length " + std::to_string(s) + " is outside of 0 to " + std::to_string(crack.Length()));
       const ElementLocation * best = nullptr;
       double off = std::numeric_limits<double>::infinity();
       for (auto & location : body.Location(c).Elements())

@@ -10,8 +10,13 @@ static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::
 {
   CutDifferentialSymbol dx(self);
   dx.bonus_intorder = bonus_intorder;
-  if (definedonelements) dx.definedonelements = definedonelements;
-  if (crack) dx.definedonelements = self.measure.body->CrackElements(crack);
+  for (auto elements : { definedonelements, crack ? self.measure.body->CrackElements(crack) : nullptr })
+    if (elements)
+      {
+        auto both = make_shared<ngcore::BitArray>(*elements);
+        if (dx.definedonelements) both->And(*dx.definedonelements);
+        dx.definedonelements = both;
+      }
   if (nodes) dx.measure.nodes = *nodes;
   if (definedon)
     {
@@ -28,6 +33,9 @@ static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::
 
 void ExportMeasures (py::module & m)
 {
+  m.def("Variation", &MakeVariation, py::arg("form"),
+        "An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve.");
+
   // no shared_ptr holder: the base class is exported without one
   py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol")
     .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),

@@ -54,6 +54,7 @@ static void ExportCrackFESpace (py::module & m)
     .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside)
     .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "Number i of the j-th enriched function phi_i, and its shift s_i.")
     .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"))
+    .def("HeavisideSide", &CrackFESpace::HeavisideSide, py::arg("j"), py::arg("element"))
     .def("HeavisideDof", &CrackFESpace::HeavisideDof, py::arg("j"), py::arg("component"))
     .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"))
     .def(py::pickle([] (const CrackFESpace & v) { return py::make_tuple(v.GetBody(), v.TipSpecs(), v.Tolerance(), v.GetFlags()); },

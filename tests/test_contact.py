@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import array, matrix, on_crack, vector
-from ngsolve import CF, L2, Grad, GridFunction, Id, InnerProduct, Mesh, SetNumThreads, Sym, Trace, x
+from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, InnerProduct, Mesh, SetNumThreads, Sym, Trace, x
 from scipy.linalg import eigh
 
 from ngsxfem_contact import (
@@ -70,8 +70,7 @@ def defect_of_the_rules(solution, exact):
     V, body = solution.problem.V, solution.body
     v = V.TestFunction()
     miss = vector(InnerProduct(exact.stress, Grad(v)) * body.dx + exact.pressure * InnerProduct(Jump(v), body.normal) * body.dcrack)
-    u, v = V.TnT()
-    energy = matrix(InnerProduct(MATERIAL.Stress(Strain(u)), Strain(v)) * body.dx).diagonal()
+    energy = stiffness_by_hand(solution.problem).diagonal()
     tips = list(V.TipDofs(0))
     return np.linalg.norm(miss[tips] / np.sqrt(energy[tips]))
 
@@ -112,8 +111,8 @@ def test_slipping_tip_stays_closed(maxh):
     exact = cf.slipping_tip(MATERIAL)
     solution = rotated_problem(exact, "P2/P1", 0.41, maxh, tip=TipEnrichment(r1=0.4, material=MATERIAL)).Solve()
     profile = solution.Profile()
-    assert np.abs(profile.gap).max() < 0.002 * np.abs(profile.slip).max()
-    assert np.abs(profile.sigma_n + 1).max() < 10 * maxh**1.5  # 0.11 at maxh = 0.1
+    assert np.abs(profile.gap).max() < 0.2 * maxh**2 * np.abs(profile.slip).max()  # a fifth of that measured
+    assert np.abs(profile.sigma_n + 1).max() < 6 * maxh**1.5  # 0.15 and 0.016 measured
     assert solution.report.complementarity < 1e-10
 
 
@@ -146,16 +145,28 @@ def longest_edges(body):
     return h
 
 
+def sigma(strain):
+    return Trace(strain) * Id(2) + 2 * strain
+
+
+def R(v, body):
+    stress = sigma(Strain(v, "larger"))
+    return InnerProduct(stress * body.normal, body.normal)
+
+
+def stiffness_by_hand(problem):
+    u, v = problem.V.TnT()
+    return matrix(InnerProduct(sigma(Sym(Grad(u))), Sym(Grad(v))) * problem.body.dx)
+
+
 def stabilised_by_hand(problem, gamma):
     """K - K_γ, B - C_γ, D_γ with b(μ,v) = ∫μ⟦v_n⟧, ⟦v_n⟧ = -jump(v)·n."""
     V, W, body = problem.V, problem.W, problem.body
     u, v = V.TnT()
     lam, mu = W.TnT()
-    sigma = lambda e: Trace(e) * Id(2) + 2 * e
-    R = lambda w: InnerProduct(sigma(Strain(w, "larger")) * body.normal, body.normal)
-    K = matrix(InnerProduct(sigma(Sym(Grad(u))), Sym(Grad(v))) * body.dx)
-    B = matrix(-InnerProduct(Jump(u), body.normal) * mu * body.dcrack, V, W)
-    return K - matrix(gamma * R(u) * R(v) * body.dcrack), B - matrix(gamma * mu * R(u) * body.dcrack, V, W), matrix(gamma * lam * mu * body.dcrack)
+    K_gamma = matrix(gamma * R(u, body) * R(v, body) * body.dcrack)
+    E = BilinearForm(-mu * (InnerProduct(Jump(u), body.normal) + gamma * R(u, body)) * body.dcrack)
+    return stiffness_by_hand(problem) - K_gamma, to_scipy(E.Assemble().mat), matrix(gamma * lam * mu * body.dcrack)
 
 
 @pytest.mark.parametrize("pair", ["P2/P1", "P1/P0"])
@@ -182,9 +193,7 @@ def test_solution_satisfies_38():
 @pytest.mark.parametrize("pair", PAIRS)
 def test_energy_and_contact_force(pair):
     solution = coarse(pair=pair).Solve()
-    u, v = solution.problem.V.TnT()
-    K = matrix(InnerProduct(MATERIAL.Stress(Strain(u)), Strain(v)) * solution.body.dx)
-    U = array(solution.u.vec)
+    K, U = stiffness_by_hand(solution.problem), array(solution.u.vec)
     assert solution.Energy() == pytest.approx(0.5 * U @ (K @ U), rel=1e-9)  # rules of different order
     mu = solution.problem.W.TestFunction()
     assert solution.ContactForce() == pytest.approx(multiplier(solution) @ vector(mu * solution.body.dcrack), rel=1e-12)
@@ -282,7 +291,7 @@ def test_weak_cone(pair):
     moments = mass_matrix(weak.problem.W) @ multiplier(weak)
     assert moments.max() <= 1e-12 * np.abs(moments).max() and (moments < -1e-3 * np.abs(moments).max()).any()
     assert weak.report.complementarity <= 1e-10
-    assert weak.ContactForce() == pytest.approx(strong.ContactForce(), rel=0.05)  # both differ from the exact one by 3 %
+    assert weak.ContactForce() == pytest.approx(strong.ContactForce(), rel=0.01)  # each is within 0.5 % of the exact one
     assert np.abs(multiplier(weak) - multiplier(strong)).max() > 1e-6 * np.abs(multiplier(strong)).max()
 
 
@@ -312,7 +321,7 @@ def test_multiplier_on_nodes_of_its_own(order):
     assert problem.W.NodalPositions()[0] == pytest.approx(positions)
     solution = problem.Solve()
     assert solution.report.complementarity <= 1e-10
-    assert solution.ContactForce() == pytest.approx(-0.0103579, rel=0.03)  # the nodes are 0.083 apart
+    assert solution.ContactForce() == pytest.approx(-0.0103579, rel=0.01)  # 0.5 % measured, the nodes are 0.083 apart
 
 
 def test_own_nodes_divide_the_rules():
@@ -331,7 +340,7 @@ def test_multipliers_of_higher_order(order):
     assert max(errors(problem.Solve(), exact)) < 1e-10
     solution = with_multipliers(order=order).Solve()
     assert solution.report.complementarity <= 1e-10
-    assert solution.ContactForce() == pytest.approx(-0.0103579, rel=0.05)
+    assert solution.ContactForce() == pytest.approx(-0.0103579, rel=0.005)
 
 
 # Initial gap
@@ -366,8 +375,8 @@ def test_gap_as_a_function():
     """A wedge: the contact ends where the gap is wider than the approach allows, and is complementary in between."""
     profile = (solution := pressed_column(0.01, 0.02 * x)).Profile()
     remaining = profile.gap + 0.02 * profile.x
-    assert 0.4 < solution.Transitions()[0] < 1
-    assert np.abs(remaining[profile.x < 0.3]).max() < 2e-4 and remaining[profile.x > 0.9].min() > 5e-3
+    assert 0.3 < solution.Transitions()[0] < 0.5  # rigid blocks would touch up to x = 0.5
+    assert np.abs(remaining[profile.x < 0.3]).max() < 5e-4 and remaining[profile.x > 0.9].min() > 5e-3
     assert (profile.sigma_n[profile.x < 0.3] < -1e-3).all() and (profile.sigma_n[profile.x > 0.9] == 0).all()
 
 
@@ -383,13 +392,22 @@ def test_automatic_gamma_is_coercive(pair, functions):
         assert 1 - theta - 1e-3 <= coercivity < 1
 
 
+def test_gamma_falls_to_zero_at_a_tip_with_single_singular_functions():
+    """Their σ_n ~ r^{-1/2} on the lips would make ∫γ R_h² infinite; the two modes have σ_n = 0 there."""
+    near_tip = [0.5 - 0.002, 0.5 - 0.004]  # in the tip's element
+    for functions, ratio in (("branch", 0.5), ("modes", 1)):
+        solution = coarse(tip=TipEnrichment(material=MATERIAL, functions=functions)).Solve()
+        first, second = solution.gamma(on_crack(solution.body, near_tip)).ravel()
+        assert first / second == pytest.approx(ratio, rel=1e-6) and first > 0
+
+
 def test_automatic_gamma_is_proportional_to_theta():
     quarter, half = (1 - Coercivity(coarse(stabilisation=BarbosaHughes(theta=theta))) for theta in (0.25, 0.5))
     assert half == pytest.approx(2 * quarter, rel=1e-6)
 
 
 def dense_coercivity(problem):
-    K = stabilised_by_hand(problem, CF(0))[0].toarray()
+    K = stiffness_by_hand(problem).toarray()
     K_minus = stabilised_by_hand(problem, problem.stabilisation.Gamma(problem.V, MATERIAL))[0].toarray()
     free = np.array(problem.free)
     return eigh(K_minus[free][:, free], K[free][:, free], eigvals_only=True, subset_by_index=[0, 0])[0]
@@ -397,7 +415,7 @@ def dense_coercivity(problem):
 
 @pytest.mark.parametrize("stabilisation", [BarbosaHughes(), BarbosaHughes(gamma0=0.01), BarbosaHughes(gamma0=1)])
 def test_coercivity_is_the_smallest_eigenvalue(stabilisation):
-    problem = coarse(stabilisation=stabilisation)
+    problem = coarse(pair="P1/P1", stabilisation=stabilisation)
     assert Coercivity(problem) == pytest.approx(dense_coercivity(problem), rel=1e-6)
 
 

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from helpers import array, matrix, random_function, rectangle, structured, vector
 from ngsolve import (
-    CF, H1, BilinearForm, BitArray, Grad, InnerProduct, Integrate, LinearForm, Mesh, TaskManager, Variation, ds, dx, sin, x, y,
+    CF, H1, BilinearForm, BitArray, Grad, InnerProduct, Integrate, LinearForm, Mesh, TaskManager, ds, dx, sin, x, y,
 )  # fmt: skip
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, Side, TipEnrichment, TraceSpace
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, Side, TipEnrichment, TraceSpace, Variation
 
 MESH = rectangle(0.2)
 BODY = CrackedMesh(MESH, Crack([(0, 0.32), (0.6, 0.35)]), Crack([(1, 0.71), (0.3, 0.73)]))

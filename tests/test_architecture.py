@@ -1,0 +1,199 @@
+"""The direction of dependencies, the size of the parts, and the public names: read from the sources."""
+
+import ast
+import inspect
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import ngsxfem_contact
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "ngsxfem_contact"
+CPP_FILES = sorted((ROOT / "cpp").glob("*.?pp"))
+BINDING_FILES = sorted((ROOT / "python").glob("*.?pp"))
+PYTHON_FILES = sorted(PACKAGE.glob("*.py"))
+
+GEOMETRY = {"crack", "element_location", "cut_rule", "cracked_mesh"}
+SPACES = {"tip_functions", "crack_element", "diffops", "crack_fespace", "trace_space", "cut_integral"}
+FORMS = {"spaces", "operators", "elasticity"}
+SOLVING = {"problem", "solver", "solution", "stabilisation"}
+RESULTS = {"solution", "plotting", "closed_forms", "paper"}
+
+
+def cpp_includes(path):
+    """The unit names of the quoted includes."""
+    return {Path(name).stem for name in re.findall(r'^\s*#\s*include\s*"([^"]+)"', path.read_text(encoding="utf-8"), re.M)}
+
+
+@cache
+def cpp_graph():
+    """Unit → units that its files include."""
+    graph = {}
+    for path in CPP_FILES:
+        graph.setdefault(path.stem, set()).update(cpp_includes(path) - {path.stem})
+    return graph
+
+
+def imported(node):
+    """The modules of this package that one statement imports, seen from inside the package."""
+    if isinstance(node, ast.ImportFrom) and (node.level == 1 or (node.module or "").split(".")[0] == "ngsxfem_contact"):
+        module = (node.module or "").removeprefix("ngsxfem_contact").strip(".")
+        return {module.split(".")[0]} if module else {alias.name for alias in node.names}
+    if isinstance(node, ast.Import):
+        return {alias.name.split(".")[1] for alias in node.names if alias.name.startswith("ngsxfem_contact.")}
+    return set()
+
+
+def at_import(tree):
+    """The statements that run when a module is imported: all that are not inside functions."""
+    stack = [tree]
+    while stack:
+        node = stack.pop()
+        yield node
+        stack += [n for n in ast.iter_child_nodes(node) if not isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))]
+
+
+@cache
+def python_graph(lazy=False):
+    """Module → modules of the package that it imports; lazy: inside functions, too."""
+    graph = {}
+    for path in PYTHON_FILES:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        nodes = ast.walk(tree) if lazy else at_import(tree)
+        graph[path.stem] = set().union(*map(imported, nodes)) & {p.stem for p in PYTHON_FILES}
+    return graph
+
+
+def reachable(graph, start):
+    found, stack = set(), [start]
+    while stack:
+        new = graph.get(stack.pop(), set()) - found
+        found |= new
+        stack += new
+    return found
+
+
+def cycles(graph):
+    return {node for node in graph if node in reachable(graph, node)}
+
+
+def test_the_sources_are_here():
+    assert GEOMETRY | SPACES <= set(cpp_graph())
+    assert FORMS | SOLVING | RESULTS <= set(python_graph())
+
+
+def test_the_reader_sees_what_it_should():
+    """The parsers are not blind."""
+    assert "crack" in cpp_graph()["element_location"] and "elasticity" in python_graph()["spaces"]
+    assert cycles({"a": {"b"}, "b": {"a"}, "c": {"a"}}) == {"a", "b"}
+    assert imported(ast.parse("from .. import x").body[0]) == set()
+    assert imported(ast.parse("from . import solver").body[0]) == {"solver"} == imported(ast.parse("import ngsxfem_contact.solver").body[0])
+
+
+@pytest.mark.parametrize("unit", sorted(GEOMETRY))
+def test_geometry_never_names_a_space(unit):
+    assert not reachable(cpp_graph(), unit) & SPACES
+
+
+@pytest.mark.parametrize("unit", sorted(SPACES - {"cut_integral", "trace_space"}))
+def test_a_space_never_names_a_form(unit):
+    assert "cut_integral" not in reachable(cpp_graph(), unit)
+
+
+def test_no_cycles():
+    assert not cycles(cpp_graph())
+    assert not cycles(python_graph())
+
+
+@pytest.mark.parametrize("path", CPP_FILES, ids=lambda path: path.name)
+def test_the_core_knows_no_python(path):
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"#\s*include\s*[<\"](pybind11|python_ngstd|python_comp|python_fem|Python\.h)", text)
+    assert not re.search(r"\bpy::|\bpybind11::", text)
+    assert not cpp_includes(path) & {p.stem for p in BINDING_FILES} - {p.stem for p in CPP_FILES}
+
+
+@pytest.mark.parametrize("module", sorted(FORMS))
+def test_a_form_never_names_a_solver(module):
+    assert not reachable(python_graph(lazy=True), module) & SOLVING
+
+
+@pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "elimination"])
+def test_a_method_never_names_results(module):
+    assert not reachable(python_graph(lazy=True), module) & (RESULTS | {"problem", "solver"})
+
+
+def test_a_problem_names_no_results_but_what_its_solver_returns():
+    assert not python_graph(lazy=True)["problem"] & RESULTS
+    assert not reachable(python_graph(), "problem") & (RESULTS - {"solution"})
+
+
+def test_only_the_extension_is_compiled():
+    """pybind11 exports without logic are in python/, one file a subject."""
+    assert all("pybind" not in path.read_text(encoding="utf-8") or path.parent.name == "python" for path in CPP_FILES + BINDING_FILES)
+
+
+# Size
+
+
+def python_functions():
+    for path in PYTHON_FILES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef):
+                yield f"{path.name}:{node.name}", node.end_lineno - node.lineno + 1
+
+
+def test_functions_are_short():
+    lengths = dict(python_functions())
+    assert len(lengths) > 100
+    assert {name: n for name, n in lengths.items() if n > 60} == {}
+    assert sorted(lengths.values())[len(lengths) // 2] <= 10
+
+
+@pytest.mark.parametrize("path", CPP_FILES + BINDING_FILES + PYTHON_FILES, ids=lambda path: path.name)
+def test_files_are_short(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
+
+
+# Public names
+
+
+PUBLIC = {name: value for name, value in vars(ngsxfem_contact).items() if not name.startswith("_") and not inspect.ismodule(value)}
+EXPECTED = """
+    BarbosaHughes Coercivity ContactProblem ContactSolution Crack CrackFESpace CrackedMesh Elasticity Gradient InfSup Jump Minus
+    NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain TangentialStress TipEnrichment TraceSpace
+""".split()
+
+
+def test_public_names_exist():
+    assert set(EXPECTED) <= set(PUBLIC)
+
+
+@pytest.mark.parametrize("name", sorted(PUBLIC))
+def test_public_names_have_docstrings(name):
+    """Beside the signatures and member lists that dataclass and pybind11 put where nothing was written."""
+    written = re.sub(rf"^{name}\(.*$|^Members:[\s\w]*", "", PUBLIC[name].__doc__ or "", flags=re.M)
+    assert len(written.strip()) > 10
+
+
+@pytest.mark.parametrize("path", PYTHON_FILES, ids=lambda path: path.name)
+def test_modules_have_docstrings(path):
+    if path.name != "_build_info.py":
+        assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+
+
+def public_members():
+    for name, value in PUBLIC.items():
+        if inspect.isclass(value) and value.__module__.startswith("ngsxfem_contact."):
+            for member, function in vars(value).items():
+                if not member.startswith("_") and (inspect.isfunction(function) or isinstance(function, (property, staticmethod))):
+                    if not value.__module__.endswith("_ngsxfem_contact"):
+                        yield pytest.param(function, id=f"{name}.{member}")
+
+
+@pytest.mark.parametrize("function", list(public_members()))
+def test_public_methods_have_docstrings(function):
+    assert inspect.getdoc(function)
