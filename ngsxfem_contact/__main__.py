@@ -7,7 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from ngsolve import ngsglobals
+from ngsolve import TaskManager, ngsglobals
 
 from .errors import SolveError
 from .paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
@@ -114,7 +114,8 @@ def run(options):
     print(f"meshing with h = {options.h:g} ...", flush=True)
     problem = paper_problem(unstructured_mesh(options.h), options.load, options.pair, stabilisation, options.cone)
     print(f"solving for {problem.V.ndof} + {problem.W.ndof} unknowns ...", flush=True)
-    solution = problem.Solve()
+    with TaskManager():
+        solution = problem.Solve()
     results = results_of(solution, options)
     text = summary(results, solution.report)
     print("\n" + text)
@@ -125,7 +126,7 @@ def run(options):
     ]
     if not options.no_figures:
         written += write_figures(solution, options.output)
-    print("wrote " + ", ".join(str(path) for path in written))
+    print(f"wrote {', '.join(Path(path).name for path in written)} to {options.output.resolve()}")
     return 0
 
 

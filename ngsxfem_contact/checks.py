@@ -69,7 +69,11 @@ def check_coercive(problem):
 
 
 def Coercivity(problem):
-    """The smallest eigenvalue of K - K_γ against K, (13) of [AHLMR12]: 1 - θ; negative where γ is too large."""
+    """The smallest eigenvalue of K - K_γ against K, (13) of [AHLMR12]: 1 - θ; negative where γ is too large.
+
+    Raises SingularSystem if rigid motions are left free.
+    """
+    check_rigid_motions(problem)
     gamma = problem.stabilisation.Gamma(problem.V, problem.material)
     if gamma is None:
         return 1.0
@@ -78,26 +82,23 @@ def Coercivity(problem):
     K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
     R = lambda w: normal_stress(w, material, body)
     K_gamma = to_scipy(BilinearForm(gamma * R(u) * R(v) * body.dcrack).Assemble().mat)
-    K_inverse = K.Inverse(problem.free, inverse="sparsecholesky")
-    return 1 - largest_eigenvalue(K_gamma, K, K_inverse, np.array(problem.free, dtype=bool))
+    return 1 - largest_eigenvalue(K_gamma, K, StiffnessInverse(K, V, problem.free), np.array(problem.free, dtype=bool))
 
 
 def largest_eigenvalue(A, M, M_inverse, free):
-    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M and its inverse NGSolve's."""
+    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M NGSolve's, its inverse a StiffnessInverse."""
     x, y = M.CreateColVector(), M.CreateColVector()
 
-    def apply(operator):
-        def multiply(array):
-            x.FV().NumPy()[:] = np.where(free, array.ravel(), 0)
-            y.data = operator * x
-            return np.where(free, y.FV().NumPy(), 0)
+    def multiply(array):
+        x.FV().NumPy()[:] = np.where(free, array.ravel(), 0)
+        y.data = M * x
+        return np.where(free, y.FV().NumPy(), 0)
 
-        return LinearOperator(A.shape, matvec=multiply, dtype=float)
-
-    start = np.where(free, np.random.default_rng(0).standard_normal(len(free)), 0)
-    start = apply(M_inverse).matvec(A @ start)
-    restricted = LinearOperator(A.shape, matvec=lambda v: np.where(free, A @ np.where(free, v.ravel(), 0), 0), dtype=float)
-    return float(eigsh(restricted, k=1, M=apply(M), Minv=apply(M_inverse), which="LA", v0=start, tol=1e-8)[0][0])
+    operator = lambda function: LinearOperator(A.shape, matvec=function, dtype=float)
+    restricted = operator(lambda v: np.where(free, A @ np.where(free, v.ravel(), 0), 0))
+    inverse = operator(lambda v: M_inverse.Solve(np.where(free, v.ravel(), 0)))
+    start = inverse.matvec(restricted.matvec(np.random.default_rng(0).standard_normal(len(free))))
+    return float(eigsh(restricted, k=1, M=operator(multiply), Minv=inverse, which="LA", v0=start, tol=1e-8)[0][0])
 
 
 def InfSup(V, W):
@@ -109,5 +110,5 @@ def InfSup(V, W):
     B = to_scipy(coupling.Assemble().mat)
     H1 = BilinearForm((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx, symmetric=True).Assemble().mat
     M = to_scipy(BilinearForm(specialcf.mesh_size * lam * mu * W.dcrack).Assemble().mat).toarray()
-    S = schur_complement(B, StiffnessInverse(H1, V.FreeDofs(), "sparsecholesky"))
+    S = schur_complement(B, StiffnessInverse(H1, V, V.FreeDofs()))
     return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

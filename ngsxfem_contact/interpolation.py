@@ -1,7 +1,9 @@
 """Functions of V_h from given ones: Definition 3.1 of [AHLMR12], and the L² projection."""
 
-from ngsolve import BilinearForm, CoefficientFunction, GridFunction, LinearForm, VectorH1
 import numpy as np
+from ngsolve import BilinearForm, BitArray, CoefficientFunction, GridFunction, LinearForm, VectorH1
+
+from .elimination import StiffnessInverse
 
 
 def Interpolant(V, plus, minus=None, tips=()):
@@ -57,5 +59,7 @@ def Projection(V, function, bonus_intorder=4):
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
     load = LinearForm(CoefficientFunction(function) * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec
     result = GridFunction(V)
-    result.vec.data = mass.Inverse(inverse="sparsecholesky") * load
+    everything = BitArray(V.ndof)
+    everything.Set()
+    result.vec.FV().NumPy()[:] = StiffnessInverse(mass, V, everything).SolveRefined(load.FV().NumPy())
     return result

@@ -7,6 +7,7 @@ from scipy.sparse.linalg import splu
 
 from . import _ngsxfem_contact as core
 from .cones import CONES
+from .elasticity import Elasticity
 from .operators import NormalGap, Strain
 from .solver import solve
 from .spaces import check_regions, to_scipy
@@ -41,6 +42,8 @@ class ContactProblem:
             raise ValueError(f"ContactProblem: cone={cone!r} is not one of {sorted(CONES)}")
         if not isinstance(gap, CoefficientFunction) and not 0 <= gap < float("inf"):
             raise ValueError(f"ContactProblem: gap={gap} must be a finite number >= 0 (the faces do not overlap at first)")
+        if not isinstance(material, Elasticity):
+            raise TypeError(f"ContactProblem: material={material!r} is not an Elasticity")
         if stabilisation is not None and not hasattr(stabilisation, "Gamma"):
             raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
         check_modes(V, material)
@@ -50,6 +53,7 @@ class ContactProblem:
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self.f = LinearForm(V)
         self.given = GridFunction(V)
+        self.pinned = []
         self.free = BitArray(V.FreeDofs())
 
     @property
@@ -71,6 +75,7 @@ class ContactProblem:
         values = np.broadcast_to(value, len(COMPONENTS[components]))
         for component, number in zip(COMPONENTS[components], values):
             self.free.Clear(dofs[component])
+            self.pinned.append(dofs[component])
             self.given.vec[dofs[component]] = float(number)
 
     def _vertex_at(self, point):
@@ -103,7 +108,12 @@ class ContactProblem:
             raise ValueError(f"SetDirichlet: {region!r} is not part of CrackFESpace(..., dirichlet=...); declare it there")
         scale = 1 / np.sqrt(diagonal[dofs])
         scaled = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc()
-        self.given.vec.FV().NumPy()[dofs] = scale * splu(scaled).solve(scale * load[dofs])
+        values = scale * splu(scaled).solve(scale * load[dofs])
+        given = self.given.vec.FV().NumPy()
+        pinned = np.isin(dofs, self.pinned)
+        if not np.allclose(values[pinned], given[dofs[pinned]], atol=1e-8 * np.abs(values).max()):
+            raise ValueError(f"SetDirichlet: a vertex of {region!r} was pinned to another value; remove the Pin, or give both the same value")
+        given[dofs] = values
 
     def Assemble(self):
         """The matrices of (38): a ContactSystem."""

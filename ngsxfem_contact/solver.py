@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
-from ngsolve import GridFunction, TaskManager
+from ngsolve import GridFunction
 
 from .active_set import solve_active_set
 from .checks import check_coercive, check_data, check_multiplier, check_rigid_motions
@@ -59,7 +59,8 @@ class Stopwatch:
 def solve(problem, inverse="sparsecholesky", **options):
     """Solves a ContactProblem and returns its ContactSolution.
 
-    inverse: NGSolve's direct solver for K - K_γ, which is symmetric positive definite.
+    inverse: NGSolve's direct solver for K - K_γ, which is symmetric positive definite.    As everywhere in NGSolve, more
+    than one thread is used inside `with TaskManager():`.
     options: cone, r, start, max_iterations as for ReducedProblem.Solve.
     Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
     """
@@ -77,18 +78,17 @@ class ReducedProblem:
         watch = Stopwatch(self.timings)
         check_rigid_motions(problem)
         watch.Mark("check")
-        with TaskManager():
-            self.system = system = problem.Assemble()
-            check_data(system, problem)
-            watch.Mark("assemble")
-            check_coercive(problem)
-            self.factors = StiffnessInverse(system.stiffness, problem.free, inverse)
-            watch.Mark("factor")
-            self.given = problem.given.vec.FV().NumPy().copy()
-            self.load = system.F - system.Stiffness(self.given)
-            self.S = schur_complement(system.E, self.factors) + system.D.toarray()
-            self.g = system.Residual(self.Displacement(np.zeros(len(self.S))), np.zeros(len(self.S)))
-            watch.Mark("reduce")
+        self.system = system = problem.Assemble()
+        check_data(system, problem)
+        watch.Mark("assemble")
+        check_coercive(problem)
+        self.factors = StiffnessInverse(system.stiffness, problem.V, problem.free, inverse)
+        watch.Mark("factor")
+        self.given = problem.given.vec.FV().NumPy().copy()
+        self.load = system.F - system.Stiffness(self.given)
+        self.S = schur_complement(system.E, self.factors) + system.D.toarray()
+        self.g = system.Residual(self.Displacement(np.zeros(len(self.S))), np.zeros(len(self.S)))
+        watch.Mark("reduce")
 
     def Displacement(self, L):
         """U for a multiplier L."""
@@ -110,8 +110,7 @@ class ReducedProblem:
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
         watch.Mark("active set")
         L = T @ result.p
-        with TaskManager():
-            U = self.Displacement(L)
+        U = self.Displacement(L)
         accept(report, system, problem, U, L, T)
         watch.Mark("recover")
         return make_solution(problem, U, L, report, system.gamma)

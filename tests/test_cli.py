@@ -57,7 +57,7 @@ def test_says_what_it_wrote(tmp_path, capsys):
     assert cli.main(["--h", "0.06", "--pair", "P2/P0", "--load", "A", "--no-figures", "--output", str(tmp_path)]) == 0
     assert names(tmp_path) == {"summary.txt", "summary.json", "solution.vtu"}
     *_, last = capsys.readouterr().out.splitlines()
-    assert last.startswith("wrote ") and all(str(tmp_path / name) in last for name in names(tmp_path))
+    assert last.startswith("wrote ") and str(tmp_path) in last and all(name in last for name in names(tmp_path))
     assert json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))["transitions"] == []
 
 
@@ -73,13 +73,12 @@ def test_help():
 
 @pytest.mark.parametrize(
     "options",
-    [["--h", "0"], ["--h", "-1"], ["--h", "0.6"], ["--h", "nan"], ["--h", "small"], ["--pair", "P3/P1"], ["--load", "D"], ["--gamma0", "0.1", "--unstabilised"], ["--verbose"]],
-    ids=" ".join,
+    ["--h 0", "--h -1", "--h 0.6", "--h nan", "--h small", "--pair P3/P1", "--load D", "--gamma0 0.1 --unstabilised", "--verbose"],
 )
 def test_bad_options(options, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as stopped:
-        cli.main(options)
+        cli.main(options.split())
     assert stopped.value.code == 2
     assert "error: " in capsys.readouterr().err and names(tmp_path) == set()
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import array, matrix, on_crack, vector
-from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, InnerProduct, Mesh, SetNumThreads, Sym, Trace, x
+from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, IfPos, InnerProduct, Integrate, Mesh, SetNumThreads, Sym, Trace, x, y
 from scipy.linalg import eigh
 
 from ngsxfem_contact import (
@@ -132,6 +132,34 @@ def test_rates_at_a_contact_transition(pair, rate):
     slopes = np.polyfit(np.log(maxhs), np.log(means), 1)[0]
     assert slopes[0] > rate
     assert slopes[1] > 0.5
+
+
+# Given displacements
+
+
+def given_on_the_left(value):
+    """By SetDirichlet, on the side with the mouth."""
+    body = CrackedMesh(unstructured_mesh(0.1), Crack([(0, 0.013), (0.5, 0.013)]))
+    V = CrackFESpace(body, order=2, tip=None, dirichlet="left")
+    problem = ContactProblem(V, TraceSpace(body), MATERIAL)
+    problem.SetDirichlet(value, "left")
+    return problem
+
+
+def test_given_displacement_is_the_projection_of_the_trace():
+    value = CF((y**4, y**3))
+    problem = given_on_the_left(value)
+    v = problem.V.TestFunction()
+    against = lambda f: vector(f * v * problem.body.ds("left", bonus_intorder=10))
+    assert np.abs(against(problem.given) - against(value)).max() < 1e-14
+    assert np.abs(against(value)).max() > 1e-3
+
+
+def test_given_displacement_may_jump_at_a_mouth():
+    value = CF((IfPos(y - 0.013, 1 + y, -2 * y), IfPos(y - 0.013, y * y, 3)))
+    problem = given_on_the_left(value)
+    difference = problem.given - value
+    assert Integrate(InnerProduct(difference, difference) * problem.body.ds("left", bonus_intorder=4), problem.body.mesh) < 1e-24
 
 
 # The matrices of (38)
@@ -303,7 +331,7 @@ def with_multipliers(pair="P2/P1", cone="nonpositive", **options):
 
 
 @pytest.mark.parametrize("cone", ["nonpositive", "weak"])
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("order", [0, 1, 2])
 def test_trace_basis_gives_the_answer_of_the_nodal_basis(order, cone):
     """On a straight crack the two span the same space; 1e-7: the trace basis is worse conditioned."""
     nodal, trace = (with_multipliers(order=order, basis=basis, cone=cone).Solve() for basis in ("nodal", "trace"))
