@@ -19,12 +19,20 @@ namespace ngsxfem_contact
       ~CurrentElement () { current_element = previous; }
     };
 
-    class CutBilinearFormIntegrator : public SymbolicBilinearFormIntegrator
+    /// A symbolic integrator of NGSolve with the rules of a measure.
+    template <typename BASE>
+    class WithMeasure : public BASE
     {
-      using BASE = SymbolicBilinearFormIntegrator;
+    protected:
       Measure measure;
+
+      virtual int RuleOrder (const FiniteElement & fel) const = 0;
+
+      const ElementRule * Find (const FiniteElement & fel) const
+      { return measure.Rules(this->vb, std::max(0, RuleOrder(fel)))->Find(current_element); }
+
     public:
-      CutBilinearFormIntegrator (shared_ptr<CoefficientFunction> acf, VorB avb, Measure ameasure)
+      WithMeasure (shared_ptr<CoefficientFunction> acf, VorB avb, Measure ameasure)
         : BASE(acf, avb, VOL), measure(std::move(ameasure)) { }
 
       string Name () const override { return "Cut " + BASE::Name(); }
@@ -33,53 +41,48 @@ namespace ngsxfem_contact
       { auto rule = Find(fel); return rule ? rule->ir : BASE::GetIntegrationRule(fel, lh); }
       const SIMD_IntegrationRule & Get_SIMD_IntegrationRule (const FiniteElement & fel, LocalHeap & lh) const override
       { auto rule = Find(fel); return rule ? rule->simd_ir : BASE::Get_SIMD_IntegrationRule(fel, lh); }
+
+      void CalcLinearizedElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatVector<double> elveclin, FlatMatrix<double> elmat, LocalHeap & lh) const override
+      { CurrentElement here(trafo); BASE::CalcLinearizedElementMatrix(fel, trafo, elveclin, elmat, lh); }
+      void ApplyElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, const FlatVector<double> elx, FlatVector<double> ely, void * precomputed, LocalHeap & lh) const override
+      { CurrentElement here(trafo); BASE::ApplyElementMatrix(fel, trafo, elx, ely, precomputed, lh); }
+    };
+
+    class CutBilinearFormIntegrator : public WithMeasure<SymbolicBilinearFormIntegrator>
+    {
+      using BASE = WithMeasure<SymbolicBilinearFormIntegrator>;
+    public:
+      using BASE::BASE;
 
       void CalcElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatMatrix<double> elmat, LocalHeap & lh) const override
       { CurrentElement here(trafo); BASE::CalcElementMatrix(fel, trafo, elmat, lh); }
       void CalcElementMatrixAdd (const FiniteElement & fel, const ElementTransformation & trafo, FlatMatrix<double> elmat, bool & symmetric_so_far, LocalHeap & lh) const override
       { CurrentElement here(trafo); BASE::CalcElementMatrixAdd(fel, trafo, elmat, symmetric_so_far, lh); }
-      void CalcLinearizedElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatVector<double> elveclin, FlatMatrix<double> elmat, LocalHeap & lh) const override
-      { CurrentElement here(trafo); BASE::CalcLinearizedElementMatrix(fel, trafo, elveclin, elmat, lh); }
-      void ApplyElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, const FlatVector<double> elx, FlatVector<double> ely, void * precomputed, LocalHeap & lh) const override
-      { CurrentElement here(trafo); BASE::ApplyElementMatrix(fel, trafo, elx, ely, precomputed, lh); }
 
     private:
-      const ElementRule * Find (const FiniteElement & fel) const
+      int RuleOrder (const FiniteElement & fel) const override
       {
         auto mixed = dynamic_cast<const MixedFiniteElement*>(&fel);
         int order = mixed ? mixed->FETrial().Order() + mixed->FETest().Order() : 2*fel.Order();
-        return measure.Rules(vb, std::max(0, order + bonus_intorder - test_difforder - trial_difforder))->Find(current_element);
+        return order + bonus_intorder - test_difforder - trial_difforder;
       }
     };
 
-    class CutEnergyIntegrator : public SymbolicEnergy
+    class CutEnergyIntegrator : public WithMeasure<SymbolicEnergy>
     {
-      using BASE = SymbolicEnergy;
-      Measure measure;
+      using BASE = WithMeasure<SymbolicEnergy>;
     public:
-      CutEnergyIntegrator (shared_ptr<CoefficientFunction> acf, VorB avb, Measure ameasure)
-        : BASE(acf, avb, VOL), measure(std::move(ameasure)) { }
+      using BASE::BASE;
 
-      string Name () const override { return "Cut " + BASE::Name(); }
-
-      const IntegrationRule & GetIntegrationRule (const FiniteElement & fel, LocalHeap & lh) const override
-      { auto rule = Find(fel); return rule ? rule->ir : BASE::GetIntegrationRule(fel, lh); }
-      const SIMD_IntegrationRule & Get_SIMD_IntegrationRule (const FiniteElement & fel, LocalHeap & lh) const override
-      { auto rule = Find(fel); return rule ? rule->simd_ir : BASE::Get_SIMD_IntegrationRule(fel, lh); }
-
-      void CalcLinearizedElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatVector<double> elveclin, FlatMatrix<double> elmat, LocalHeap & lh) const override
-      { CurrentElement here(trafo); BASE::CalcLinearizedElementMatrix(fel, trafo, elveclin, elmat, lh); }
       double Energy (const FiniteElement & fel, const ElementTransformation & trafo, FlatVector<double> elx, LocalHeap & lh) const override
       { CurrentElement here(trafo); return BASE::Energy(fel, trafo, elx, lh); }
-      void ApplyElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, const FlatVector<double> elx, FlatVector<double> ely, void * precomputed, LocalHeap & lh) const override
-      { CurrentElement here(trafo); BASE::ApplyElementMatrix(fel, trafo, elx, ely, precomputed, lh); }
 
     private:
-      const ElementRule * Find (const FiniteElement & fel) const
+      int RuleOrder (const FiniteElement & fel) const override
       {
         int difforder = 99;
         for (auto proxy : trial_proxies) difforder = std::min(difforder, proxy->Evaluator()->DiffOrder());
-        return measure.Rules(vb, std::max(0, 2*(fel.Order()-difforder)+bonus_intorder))->Find(current_element);
+        return 2*(fel.Order()-difforder) + bonus_intorder;
       }
     };
 
@@ -172,6 +175,33 @@ namespace ngsxfem_contact
       if (dx.definedonelements) integrator->SetDefinedOnElements(dx.definedonelements);
       return integrator;
     }
+  }
+
+  MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order)
+  {
+    MeasurePoints points;
+    auto & mesh = *symbol.measure.body->GetMesh();
+    auto table = symbol.measure.Rules(symbol.vb, order);
+    LocalHeap lh(10000000, "points of a measure");
+    for (auto el : mesh.Elements(symbol.vb))
+      {
+        if (symbol.definedonelements && !symbol.definedonelements->Test(el.Nr())) continue;
+        HeapReset hr(lh);
+        auto & trafo = mesh.GetTrafo(el, lh);
+        IntegrationRule standard(trafo.GetElementType(), order);
+        auto rule = table->Find(el.Nr());
+        auto & mir = trafo(rule ? rule->ir : standard, lh);
+        for (size_t i = 0; i < mir.Size(); i++)
+          {
+            points.element.push_back(el.Nr());
+            points.xi.push_back(mir[i].IP()(0));
+            points.eta.push_back(mir[i].IP()(1));
+            points.weight.push_back(mir[i].GetWeight());
+            points.x.push_back(mir[i].GetPoint()(0));
+            points.y.push_back(mir[i].GetPoint()(1));
+          }
+      }
+    return points;
   }
 
   shared_ptr<Integral> CutDifferentialSymbol :: MakeIntegral (shared_ptr<CoefficientFunction> cf) const

@@ -27,6 +27,10 @@ namespace ngsxfem_contact
     shared_ptr<ngfem::Integral> MakeIntegral (shared_ptr<CoefficientFunction> cf) const override;
   };
 
+  /// The points of a measure, element by element: reference coordinates, physical weights and places.
+  struct MeasurePoints { std::vector<size_t> element; std::vector<double> xi, eta, weight, x, y; };
+  MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order);
+
   class CutIntegral : public ngfem::Integral
   {
   protected:

@@ -10,4 +10,4 @@ from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Sli
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .spaces import CrackFESpace, TipEnrichment, TraceSpace
-from .stabilisation import BarbosaHughes
+from .stabilisation import BarbosaHughes, BothSides

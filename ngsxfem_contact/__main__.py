@@ -1,4 +1,4 @@
-"""The command line: `python -m ngsxfem_contact` solves the paper's test and writes what it found."""
+"""The command line: `python -m ngsxfem_contact` solves the paper's test and writes what it found; `... study` does all of section 4."""
 
 import argparse
 import json
@@ -10,16 +10,38 @@ from pathlib import Path
 from ngsolve import TaskManager, ngsglobals
 
 from .errors import SolveError
+from .figures import fitted_rates
+from .figures import write_figures as write_figures_of_study
 from .paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 from .stabilisation import BarbosaHughes
+from .study import REFERENCE_CELLS, SIZES, Study
+
+
+JOBS = ("paper", "study")
 
 
 def parse(arguments):
     parser = argparse.ArgumentParser(
         prog="python -m ngsxfem_contact",
-        description="Solves the crack problem of section 4 of Amdouni, Hild, Lleras, Moakher, Renard (ESAIM: M2AN 46, 2012): a unit square "
-        "with an edge crack that closes near its tip. Writes a summary, a VTK file with the crack open, and figures.",
+        description="Contact on a crack: the numerical section of Amdouni, Hild, Lleras, Moakher, Renard (ESAIM: M2AN 46, 2012). Without a job: paper.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    jobs = parser.add_subparsers(dest="job", metavar="job")
+    paper = jobs.add_parser("paper", help="solve the test once: summary, VTK with the crack open, figures (default)")
+    add_paper_options(paper)
+    parser.epilog = paper.format_help()
+    add_study_options(jobs.add_parser("study", help="all pairs and meshes against a fine reference: errors, rates, the paper's figures; goes on where it was stopped"))
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if not set(arguments[:1]) & {*JOBS, "-h", "--help"}:
+        arguments = ["paper", *arguments]
+    options = parser.parse_args(arguments)
+    if options.job == "paper":
+        check_paper_options(parser, options)
+    return options
+
+
+def add_paper_options(parser):
+    parser.description = "A unit square with an edge crack that closes near its tip. Writes a summary, a VTK file with the crack open, and figures."
     parser.add_argument("--h", type=float, default=0.03, help="mesh size in the paper's sense, half the longest edge (default 0.03)")
     parser.add_argument("--pair", choices=PAIRS, default="P2/P1", help="displacement/multiplier (default P2/P1)")
     parser.add_argument("--load", choices=TRACTION, default="B", help="B: the paper's computation (default); C: ten times its traction; A: as printed, no contact")
@@ -28,14 +50,25 @@ def parse(arguments):
     parser.add_argument("--unstabilised", action="store_true", help="no Barbosa-Hughes terms")
     parser.add_argument("--output", type=Path, default=Path("."), help="folder for the results (default: this one)")
     parser.add_argument("--no-figures", action="store_true", help="no figures (matplotlib is not needed then)")
-    options = parser.parse_args(arguments)
+
+
+def check_paper_options(parser, options):
     if not 0 < options.h <= 0.5:
         parser.error(f"--h {options.h}: must be positive and at most 0.5")
     if options.gamma0 is not None and not 0 < options.gamma0 < float("inf"):
         parser.error(f"--gamma0 {options.gamma0}: must be positive; --unstabilised switches the stabilisation off")
     if options.unstabilised and options.gamma0 is not None:
         parser.error("--gamma0 and --unstabilised exclude each other")
-    return options
+
+
+def add_study_options(parser):
+    parser.description = "Errors of all pairs on all meshes against a fine P2/P1 solution. Every finished solve is kept: run it again to go on."
+    parser.add_argument("--output", type=Path, default=Path("study"), help="folder for the results (default: study)")
+    parser.add_argument("--sizes", type=float, nargs="+", default=SIZES, help=f"mesh sizes h of the paper (default {' '.join(map(str, SIZES))})")
+    parser.add_argument("--realisations", type=int, default=5, help="meshes of each size (default 5)")
+    parser.add_argument("--structured", action="store_true", help="structured meshes instead of unstructured ones")
+    parser.add_argument("--cells", type=int, default=REFERENCE_CELLS, help=f"cells of the reference along a side, odd (default {REFERENCE_CELLS}: the paper's h = 0.0027)")
+    parser.add_argument("--no-figures", action="store_true", help="no figures (matplotlib is not needed then)")
 
 
 def results_of(solution, options):
@@ -107,7 +140,30 @@ def write_figures(solution, folder):
     yield write_whole(folder / "profile.png", lambda path: figure.savefig(path, dpi=150))
 
 
-def run(options):
+def run_study(options):
+    """The convergence study: study.jsonl, study.csv, rates.json and figures; the exit code."""
+    study = Study(options.output, options.sizes, options.realisations, options.structured, options.cells)
+    records = study.Run()
+    rates = fitted_rates(records)
+    text = json.dumps(rates, indent=1)
+    write_whole(options.output / "rates.json", lambda path: path.write_text(text, encoding="utf-8"))
+    print(rates_table(rates))
+    if not options.no_figures:
+        write_figures_of_study(options.output, records, study.reference.Solution())
+    print(f"wrote study.jsonl, study.csv, rates.json{'' if options.no_figures else ' and figures'} to {options.output.resolve()}")
+    return 0
+
+
+def rates_table(rates):
+    """The fitted rates as text."""
+    names = ("L2", "H1", "energy", "multiplier", "norm")
+    lines = [f"{'pair':9}{'stabilisation':14}{'cone':13}{'mesh':14}" + "".join(f"{name:>12}" for name in names)]
+    for rate in rates:
+        lines.append(f"{rate['pair']:9}{rate['stabilisation']:14}{rate['cone']:13}{rate['mesh']:14}" + "".join("           -" if rate[name] is None else f"{rate[name]:12.2f}" for name in names))
+    return "\n".join(lines)
+
+
+def run_paper(options):
     """Solves, writes, and says so; the exit code."""
     options.output.mkdir(parents=True, exist_ok=True)
     stabilisation = None if options.unstabilised else BarbosaHughes(options.gamma0)
@@ -134,7 +190,8 @@ def main(arguments=None):
     """Runs a command line; returns its exit code: 0, 1 without an answer, 130 after Ctrl-C."""
     ngsglobals.msg_level = 0
     try:
-        return run(parse(arguments))
+        options = parse(arguments)
+        return run_study(options) if options.job == "study" else run_paper(options)
     except (SolveError, ImportError, OSError) as error:
         print(f"no answer: {error}", file=sys.stderr)
         return 1

@@ -10,7 +10,7 @@ from .elimination import StiffnessInverse, schur_complement
 from .errors import NotCoercive, SingularSystem
 from .operators import NormalGap, Strain
 from .spaces import to_scipy
-from .stabilisation import normal_stress, trace_constants
+from .stabilisation import squared_traces
 
 
 def check_data(system, problem):
@@ -54,17 +54,14 @@ def check_multiplier(Q, tolerance=1e-10):
 
 def check_coercive(problem):
     """Raises NotCoercive for a gamma0 for which K - K_γ is not positive definite (against K)."""
-    gamma0 = getattr(problem.stabilisation, "gamma0", None)
-    if gamma0 is None:
-        return
-    constants = trace_constants(problem.V, problem.material)
-    if gamma0 * constants.max() < 1:
+    stabilisation = problem.stabilisation
+    if stabilisation.IsSafe(problem.V, problem.material):
         return
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
         raise NotCoercive(
-            f"gamma0 = {gamma0:g} is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; "
-            f"take gamma0 below {1 / constants.max():.3g}, or BarbosaHughes() which chooses γ itself"
+            f"gamma0 = {stabilisation.gamma0:g} is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; "
+            f"take gamma0 below {stabilisation.gamma0 / (1 - smallest):.3g}, or BarbosaHughes() which chooses γ itself"
         )
 
 
@@ -80,8 +77,7 @@ def Coercivity(problem):
     V, material, body = problem.V, problem.material, problem.body
     u, v = V.TnT()
     K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
-    R = lambda w: normal_stress(w, material, body)
-    K_gamma = to_scipy(BilinearForm(gamma * R(u) * R(v) * body.dcrack).Assemble().mat)
+    K_gamma = to_scipy(BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body) * body.dcrack).Assemble().mat)
     return 1 - largest_eigenvalue(K_gamma, K, StiffnessInverse(K, V, problem.free), np.array(problem.free, dtype=bool))
 
 

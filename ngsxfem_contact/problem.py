@@ -11,7 +11,7 @@ from .elasticity import Elasticity
 from .operators import NormalGap, Strain
 from .solver import solve
 from .spaces import check_regions, to_scipy
-from .stabilisation import BarbosaHughes, Unstabilised, normal_stress
+from .stabilisation import BarbosaHughes, Unstabilised, squared_traces, summed_traces
 
 COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
 
@@ -149,9 +149,8 @@ class ContactSystem:
         coupling += -mu * NormalGap(u, body) * dcrack
         self.D = None
         if self.gamma is not None:
-            R = lambda w: normal_stress(w, material, body)
-            stiffness += -self.gamma * R(u) * R(v) * dcrack
-            coupling += -self.gamma * mu * R(u) * dcrack
+            stiffness += -self.gamma * squared_traces(problem.stabilisation, u, v, material, body) * dcrack
+            coupling += -self.gamma * mu * summed_traces(problem.stabilisation, u, material, body) * dcrack
             self.D = to_scipy(BilinearForm(self.gamma * lam * mu * dcrack).Assemble().mat)
         self.stiffness = stiffness.Assemble().mat
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()

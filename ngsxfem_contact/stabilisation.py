@@ -18,9 +18,15 @@ from .operators import NormalStress, Strain
 class Unstabilised:
     """K_γ = C_γ = D_γ = 0."""
 
+    sides = {}
+
     def Gamma(self, V, material):
         """None: there is no γ."""
         return None
+
+    def IsSafe(self, V, material):
+        """True: K is positive."""
+        return True
 
 
 @dataclass(frozen=True)
@@ -36,6 +42,8 @@ class BarbosaHughes:
     gamma0: float | None = None
     theta: float = 0.5
 
+    sides = {"larger": 1}
+
     def __post_init__(self):
         if self.gamma0 is not None and not 0 < self.gamma0 < float("inf"):
             raise ValueError(f"BarbosaHughes: gamma0={self.gamma0} must be positive; stabilisation=None switches it off")
@@ -44,17 +52,56 @@ class BarbosaHughes:
 
     def Gamma(self, V, material):
         """γ as a CoefficientFunction on the elements that the cracks meet."""
-        gamma = GridFunction(L2(V.mesh, order=0))
-        for location, limit in zip(crack_elements(V.body), self._limits(V, material)):
-            gamma.vec[location.element] = limit * location.h
-        return gamma * tip_weight(V)
+        return element_gamma(V, self.Limits(V, material))
 
-    def _limits(self, V, material):
+    def Limits(self, V, material):
+        """γ_T / h_T for each of crack_elements."""
         if self.gamma0 is not None:
             return np.full(len(crack_elements(V.body)), self.gamma0)
         constants = trace_constants(V, material)
         # an element on which R_h vanishes needs no bound of its own
         return self.theta / np.maximum(constants, 1e-3 * constants.max())
+
+    def IsSafe(self, V, material):
+        """Whether the local eigenproblems prove K - K_γ positive."""
+        return self.gamma0 is None or self.gamma0 * trace_constants(V, material).max() < 1
+
+
+@dataclass(frozen=True)
+class BothSides:
+    """R_h(v)² replaced by weight (σ_n(v⁺)² + σ_n(v⁻)²), R_h(v) by weight (σ_n(v⁺) + σ_n(v⁻)), γ = gamma0 h_T.
+
+    weight=1 is what the authors' program does: against one ∫γλμ it is not consistent and imposes gap = γ|λ| in contact
+    (docs/both-sides.md). weight=½ is consistent. Both depend on slivers: the smaller part has no trace inequality.
+    """
+
+    gamma0: float
+    weight: float = 1
+
+    def __post_init__(self):
+        if not 0 < self.gamma0 < float("inf"):
+            raise ValueError(f"BothSides: gamma0={self.gamma0} must be positive")
+
+    @property
+    def sides(self):
+        """The traces that take part, with their weights."""
+        return {"plus": self.weight, "minus": self.weight}
+
+    def Gamma(self, V, material):
+        """γ as a CoefficientFunction on the elements that the cracks meet."""
+        return element_gamma(V, np.full(len(crack_elements(V.body)), self.gamma0))
+
+    def IsSafe(self, V, material):
+        """False: no local bound is known, the eigenvalue has to be computed."""
+        return False
+
+
+def element_gamma(V, limits):
+    """γ = limit h_T, weighted at the tips, for one limit on each of crack_elements."""
+    gamma = GridFunction(L2(V.mesh, order=0))
+    for location, limit in zip(crack_elements(V.body), limits):
+        gamma.vec[location.element] = limit * location.h
+    return gamma * tip_weight(V)
 
 
 def crack_elements(body):
@@ -76,8 +123,18 @@ def tip_weight(V):
 
 
 def normal_stress(u, material, body, side="larger"):
-    """R_h(u)."""
+    """σ_n of one side's polynomial; of the larger part: R_h(u)."""
     return NormalStress(material.Stress(Strain(u, side)), body)
+
+
+def squared_traces(stabilisation, u, v, material, body):
+    """The integrand of K_γ without γ: R_h(u) R_h(v), or its counterpart."""
+    return sum(w * normal_stress(u, material, body, side) * normal_stress(v, material, body, side) for side, w in stabilisation.sides.items())
+
+
+def summed_traces(stabilisation, u, material, body):
+    """The factor of γμ in C_γ: R_h(u), or its counterpart."""
+    return sum(w * normal_stress(u, material, body, side) for side, w in stabilisation.sides.items())
 
 
 def trace_constants(V, material):

@@ -1,4 +1,5 @@
 #include "convert.hpp"
+#include <pybind11/numpy.h>
 
 using namespace ngsxfem_contact;
 using namespace ngfem;
@@ -41,6 +42,12 @@ void ExportMeasures (py::module & m)
     .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),
          py::arg("crack") = py::none(), py::arg("nodes") = py::none(),
          "The same measure, restricted to a region or to elements or to one crack, with higher order, or with rules on the cracks divided at arc lengths (one list for each crack).")
+    .def("Points", [] (const CutDifferentialSymbol & dx, int order)
+         {
+           auto p = RulePoints(dx, order);
+           auto array = [] (auto & v) { return py::array(v.size(), v.data()); };
+           return py::make_tuple(array(p.element), array(p.xi), array(p.eta), array(p.weight), array(p.x), array(p.y));
+         }, py::arg("order"), "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order.")
     .def("__rmul__", [] (const CutDifferentialSymbol & dx, double factor)
          { return make_shared<SumOfIntegrals>(dx.MakeIntegral(make_shared<ConstantCoefficientFunction>(factor))); });
 }
