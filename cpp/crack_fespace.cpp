@@ -104,6 +104,29 @@ namespace ngsxfem_contact
       }
   }
 
+  /// The base class fixes all functions of a Dirichlet vertex or edge; those that vanish on the boundary beside it are free.
+  void CrackFESpace :: UpdateFreeDofs ()
+  {
+    FESpace::UpdateFreeDofs();
+    BitArray traced(ndof);
+    traced.Clear();
+    Array<DofId> dofs;
+    for (size_t i = 0; i < ma->GetNE(BND); i++)
+      if (dirichlet_boundaries.Size() && dirichlet_boundaries[ma->GetElement(ElementId(BND, i)).GetIndex()])
+        {
+          GetDofNrs(ElementId(BND, i), dofs);
+          for (auto dof : dofs) traced.SetBit(dof);
+        }
+    for (size_t j = 0; j < NumHeaviside(); j++)
+      for (int k : { 0, 1 })
+        if (auto dof = HeavisideDof(j, k); !traced.Test(dof))
+          {
+            dirichlet_dofs.Clear(dof);
+            free_dofs->SetBit(dof);
+            if (GetDofCouplingType(dof) != LOCAL_DOF) external_free_dofs->SetBit(dof);
+          }
+  }
+
   void CrackFESpace :: FindEnrichment ()
   {
     enrichment.clear();
@@ -291,9 +314,12 @@ namespace ngsxfem_contact
             for (auto [it, last] = of_dof.equal_range(dofs[local]); it != last; ++it)
               {
                 auto & support = SupportOf(it->second);
-                auto & f = functions[vb][i];
                 int side = vb == VOL ? HeavisideSide(it->second, i) : SideOfBoundaryElement(i, support);
-                f.heaviside.push_back({ int(local), support.shift, support.crack, side });
+                HeavisideFunction function { int(local), support.shift, support.crack, side };
+                // without a trace on a boundary element it is no unknown of it: a Dirichlet condition must not fix it
+                if (vb == BND && side && function.Value(side) == 0) continue;
+                auto & f = functions[vb][i];
+                f.heaviside.push_back(function);
                 f.global.push_back(it->second);
               }
       }

@@ -46,6 +46,7 @@ namespace ngsxfem_contact
 
     void Update () override;
     void UpdateCouplingDofArray () override;
+    void UpdateFreeDofs () override;
     FiniteElement & GetFE (ElementId ei, ngcore::Allocator & alloc) const override;
     void GetDofNrs (ElementId ei, Array<DofId> & dnums) const override;
     void GetDofNrs (ngcomp::NodeId ni, Array<DofId> & dnums) const override;

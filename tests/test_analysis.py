@@ -42,11 +42,11 @@ def test_cutoff_is_that_of_the_space():
         assert u(mesh(*point)) == pytest.approx(exact(mesh(*point)), abs=1e-12)
 
 
-# (14), (20), (21): the bounds are from below, 0.1 under the proved orders; with 3 positions the slopes move by less than that
-# in H¹, by up to 0.3 in the traces, which are 0.5 above the proved orders as û is smooth beside the crack
+# (14), (20), (21): bounds from below, 0.1 under the proved orders. From one set of positions to another the slopes move by
+# 0.03 (k = 1) and 0.4 (k = 2, from 2.4) in H¹, by 0.2 to 0.5 in the traces, which are 0.5 above the proved orders
 
 P1 = (0.056, 0.04, 0.028)
-P2 = (0.028, 0.02)
+P2 = (0.04, 0.02)
 
 
 def test_interpolation_and_traces_at_an_open_tip():
@@ -57,7 +57,7 @@ def test_interpolation_and_traces_at_an_open_tip():
 def test_interpolation_and_traces_at_a_slipping_tip():
     h1, jump, stress = analysis.rates("c", 2, P2, 3)
     assert h1 > 1.9 and stress > 1.9
-    assert jump > 1.5  # 1.86 from means of six on these meshes, 2.5 on finer ones
+    assert jump > 1.4  # not yet 2: 1.8 on these meshes (1.5 to 1.8 at other positions), 2.1 and 2.5 from h = 0.02 to 0.01
 
 
 @pytest.mark.parametrize(("order", "expected"), [(1, 1), (2, 1.5)])
@@ -74,11 +74,11 @@ def test_without_tip_functions_the_order_is_lost():
 
 
 def test_exchanged_sides_are_seen(monkeypatch):
-    """û⁺ and û⁻ exchanged: the jump has the wrong sign, and nothing converges."""
+    """û⁺ and û⁻ exchanged: the jump has the wrong sign. (σ_n is the same on both sides.)"""
     extension = analysis.smooth_extension
     monkeypatch.setattr(analysis, "smooth_extension", lambda function, side: extension(function, -side))
     coarse, fine = (analysis.errors("d", 1, h, 0) for h in (0.1, 0.05))
-    assert (fine > 0.8 * coarse).all()
+    assert (fine[:2] > 0.9 * coarse[:2]).all()
 
 
 # Lemma A.1
