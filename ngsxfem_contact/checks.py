@@ -98,7 +98,11 @@ def largest_eigenvalue(A, M, M_inverse, free):
 
 
 def InfSup(V, W):
-    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖h^{1/2} μ‖_{L²(Γ_C)}), h the element size; zero: the pair is singular."""
+    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖h^{1/2} μ‖_{L²(Γ_C)}), h the element size; zero: the pair is singular.
+
+    With this weight β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
+    `analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
+    """
     u, v = V.TnT()
     lam, mu = W.TnT()
     coupling = BilinearForm(trialspace=V, testspace=W)

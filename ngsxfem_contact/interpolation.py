@@ -1,7 +1,7 @@
 """Functions of V_h from given ones: Definition 3.1 of [AHLMR12], and the L² projection."""
 
 import numpy as np
-from ngsolve import BilinearForm, BitArray, CoefficientFunction, GridFunction, LinearForm, VectorH1
+from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, CoefficientFunction, GridFunction, LinearForm, NodeId, VectorH1
 
 from .elimination import StiffnessInverse
 
@@ -30,9 +30,9 @@ def Interpolant(V, plus, minus=None, tips=()):
 
 
 def _smooth(V, function):
-    """Coefficients of a smooth function in (P_k)², component after component."""
+    """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
     plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
-    plain.Set(CoefficientFunction(function), bonus_intorder=4)
+    plain.Set(CoefficientFunction(function), dual=True)
     return plain.vec.FV().NumPy().copy()
 
 
@@ -41,16 +41,26 @@ def _scalar_flags(V):
 
 
 def _own_sides(V):
-    """+1 or -1 for each φ_i: the side of the larger part of its support, or of an uncut element of it."""
+    """+1 or -1 for each φ_i: the side of the larger part of its support, or of its node if it is not enriched."""
     sides = np.ones(V.scalar_space.ndof, dtype=int)
-    for el in V.mesh.Elements():
-        center = np.mean([V.mesh[v].point for v in el.vertices], axis=0)
-        nearest = min(V.body.cracks, key=lambda crack: np.hypot(*(np.subtract(crack.PointAt(crack.ArcLength(tuple(center))), center))))
-        sides[list(V.scalar_space.GetDofNrs(el))] = int(nearest.SideOf(tuple(center)))
+    points = np.array([vertex.point for vertex in V.mesh.vertices])
+    nodes = [(NodeId(VERTEX, v.nr), points[v.nr]) for v in V.mesh.vertices]
+    nodes += [(NodeId(EDGE, e.nr), points[[v.nr for v in e.vertices]].mean(axis=0)) for e in V.mesh.edges]
+    nodes += [(NodeId(CELL, el.nr), points[[v.nr for v in el.vertices]].mean(axis=0)) for el in V.mesh.Elements(VOL)]
+    for node, place in nodes:
+        dofs = list(V.scalar_space.GetDofNrs(node))
+        if dofs:
+            sides[dofs] = _side_of_nearest(V.body.cracks, tuple(place))
     for j in range(V.num_heaviside):
         dof, shift = V.Heaviside(j)
         sides[dof] = shift
     return sides
+
+
+def _side_of_nearest(cracks, point):
+    distance = lambda crack: np.hypot(*np.subtract(crack.PointAt(crack.ArcLength(point)), point))
+    nearest = cracks[0] if len(cracks) == 1 else min(cracks, key=distance)
+    return int(nearest.SideOf(point))
 
 
 def Projection(V, function, bonus_intorder=4):

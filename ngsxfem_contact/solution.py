@@ -85,7 +85,8 @@ class ContactSolution:
     def StressIntensity(self, tip=0):
         """K_I, K_II at a tip of `body.tips`: the coefficients of the tip's two modes.
 
-        Their error is O(h^{1/2}) for P1 and O(h) for P2. Raises ValueError unless the space has the modes there:
+        Their error is O(h^{1/2}) for P1 and O(h) for P2, h the element at the tip: do not grade the mesh to the tip, where
+        the polynomials would take over √r and the coefficients lose their meaning. Raises ValueError unless the space has the modes there:
         CrackFESpace(..., tip=TipEnrichment(material=...)).
         """
         spec = self.problem.V.tip_specs[tip]
