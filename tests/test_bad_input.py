@@ -138,9 +138,9 @@ for call in {calls!r}:
 """
 
 
-def test_numbers_out_of_range():
+def test_numbers_out_of_range(tmp_path):
     """In a process of its own, which a wild index would end."""
-    done = subprocess.run([sys.executable, "-c", SCRIPT.format(calls=CALLS)], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", SCRIPT.format(calls=CALLS)], cwd=tmp_path, capture_output=True, text=True)
     assert done.stdout.splitlines() == [f"{call} refused" for call in CALLS]
 
 

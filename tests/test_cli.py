@@ -66,8 +66,8 @@ def test_gamma0_and_cone_reach_the_problem(tmp_path):
     assert cli.main(options) == 0
 
 
-def test_help():
-    run = subprocess.run([sys.executable, "-m", "ngsxfem_contact", "--help"], capture_output=True, text=True)
+def test_help(tmp_path):
+    run = subprocess.run([sys.executable, "-m", "ngsxfem_contact", "--help"], cwd=tmp_path, capture_output=True, text=True)
     assert run.returncode == 0 and "--pair" in run.stdout and run.stderr == ""
 
 
