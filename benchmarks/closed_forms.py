@@ -8,26 +8,25 @@ import argparse
 import numpy as np
 from ngsolve import TaskManager, ngsglobals
 
-from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact import closed_forms as cf
-
-PAIRS = {"P2/P1": (2, 1, False), "P2/P0": (2, 0, False), "P1+/P1": (1, 1, True), "P1/P1": (1, 1, False), "P1/P0": (1, 0, False)}
-MATERIAL = Elasticity(lam=1, mu=1)
+from ngsxfem_contact.paper import MATERIAL, PAIRS
 
 
-def solve(mesh, crack, exact, pair, tip=None, stabilisation=BarbosaHughes(), data="displacement"):
+
+def solve(mesh, crack, exact, pair, tip=None, stabilisation=BarbosaHughes()):
     """The contact problem with the exact displacement on the whole boundary."""
-    order, multiplier_order, bubble = PAIRS[pair]
+    orders = PAIRS[pair]
     body = CrackedMesh(mesh, crack)
-    V = CrackFESpace(body, order=order, bubble=bubble, tip=tip, dirichlet="outer")
-    problem = ContactProblem(V, TraceSpace(body, order=multiplier_order), MATERIAL, stabilisation=stabilisation)
+    V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip, dirichlet="outer")
+    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, stabilisation=stabilisation)
     problem.SetDirichlet(exact.u, "outer")
     return problem.Solve()
 
 
 def case_a(i, maxh, pair, stabilisation=BarbosaHughes(), tip=None):
     """A closed crack from a mouth to a tip under uniform stress: (error of u, of λ), relative."""
-    angle, offset = position(i)
+    angle, offset = cf.position(i)
     exact = cf.uniform_compression(MATERIAL)
     solution = solve(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(cf.mouths(angle, offset)[0], 0), exact, pair, tip, stabilisation)
     return cf.energy_error(solution, exact), cf.pressure_error(solution, exact)
@@ -35,7 +34,7 @@ def case_a(i, maxh, pair, stabilisation=BarbosaHughes(), tip=None):
 
 def case_tip(exact, K, i, maxh, pair, r1=0.4):
     """An edge crack with its tip at the origin: (energy error, λ error, error of the K that is 1)."""
-    angle, offset = position(i)
+    angle, offset = cf.position(i)
     tip = TipEnrichment(r1=r1, material=MATERIAL)
     solution = solve(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(cf.mouths(angle, offset)[0], 0), exact, pair, tip)
     return cf.energy_error(solution, exact), cf.pressure_error(solution, exact), getattr(solution.StressIntensity(), K) - 1
@@ -43,15 +42,10 @@ def case_tip(exact, K, i, maxh, pair, r1=0.4):
 
 def case_d(i, maxh, pair):
     """A crack through the body that opens on its right part: (energy error, λ error)."""
-    angle, offset = position(i)
+    angle, offset = cf.position(i)
     exact = cf.contact_transition(MATERIAL)
     solution = solve(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(*cf.mouths(angle, offset)), exact, pair)
     return cf.energy_error(solution, exact), cf.pressure_error(solution, exact)
-
-
-def position(i):
-    """Angle and offset of the i-th body: irrational steps, the tip stays at least 0.4 away from the boundary."""
-    return 0.1 + 0.7 * ((i * 0.618034) % 1), (0.05 * np.cos(2.4 * i), 0.05 * np.sin(2.4 * i))
 
 
 def means(case, maxhs, pair, realisations):

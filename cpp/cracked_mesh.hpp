@@ -86,9 +86,6 @@ namespace ngsxfem_contact
     /// The table for rules of the given order; nodes: where the rules on Γ_C are divided, beside the mesh edges and kinks.
     shared_ptr<const RuleTable> Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes = {}) const;
 
-    /// For pictures: T∩Ω^± as triangles.
-    const std::vector<Piece> & Pieces (size_t element) const { return Find(element)->pieces; }
-
   private:
     size_t Checked (size_t crack) const;
     void CheckDistinct ();

@@ -2,9 +2,7 @@
 
 import argparse
 import json
-import os
 import sys
-import tempfile
 from pathlib import Path
 
 from ngsolve import TaskManager, ngsglobals
@@ -12,6 +10,7 @@ from ngsolve import TaskManager, ngsglobals
 from .errors import SolveError
 from .figures import fitted_rates
 from .figures import write_figures as write_figures_of_study
+from .files import write_whole
 from .paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 from .stabilisation import BarbosaHughes
 from .study import REFERENCE_CELLS, SIZES, Study
@@ -112,15 +111,6 @@ def summary(results, report):
         str(report),
     ]
     return "\n".join(lines) + "\n"
-
-
-def write_whole(path, write):
-    """Calls write(temporary path) and moves the complete file to its place."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        temporary = Path(folder) / path.name
-        write(temporary)
-        os.replace(temporary, path)
-    return path
 
 
 def write_figures(solution, folder):

@@ -97,10 +97,10 @@ def largest_eigenvalue(A, M, M_inverse, free):
     return float(eigsh(restricted, k=1, M=operator(multiply), Minv=inverse, which="LA", v0=start, tol=1e-8)[0][0])
 
 
-def InfSup(V, W):
-    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖h^{1/2} μ‖_{L²(Γ_C)}), h the element size; zero: the pair is singular.
+def InfSup(V, W, weight=specialcf.mesh_size):
+    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular.
 
-    With this weight β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
+    weight: w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
     `analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
     """
     u, v = V.TnT()
@@ -109,6 +109,6 @@ def InfSup(V, W):
     coupling += mu * NormalGap(u, V.body) * W.dcrack
     B = to_scipy(coupling.Assemble().mat)
     H1 = BilinearForm((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx, symmetric=True).Assemble().mat
-    M = to_scipy(BilinearForm(specialcf.mesh_size * lam * mu * W.dcrack).Assemble().mat).toarray()
+    M = to_scipy(BilinearForm(weight * lam * mu * W.dcrack).Assemble().mat).toarray()
     S = schur_complement(B, StiffnessInverse(H1, V, V.FreeDofs()))
     return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

@@ -19,7 +19,7 @@ class VertexCopies:
         for j in range(V.num_heaviside):
             dof, shift = V.Heaviside(j)
             if dof < V.mesh.nv:
-                self.enriched.setdefault(dof, []).append((j, V.HeavisideCrack(j), shift))
+                self.enriched.setdefault(dof, []).append((j, shift))
         self.index = {(v, ()): v for v in range(V.mesh.nv)}
         edges = self._uncut_edges() + self._crack_edges()
         copies = len(self.index)
@@ -37,7 +37,7 @@ class VertexCopies:
 
     def _copy(self, vertex, element, forced):
         """The copy on the side of an element, or on a forced one with respect to the crack that divides it."""
-        own = tuple(self.V.HeavisideSide(j, element) or forced for j, _, _ in self.enriched.get(vertex, []))
+        own = tuple(self.V.HeavisideSide(j, element) or forced for j, _ in self.enriched.get(vertex, []))
         return self.index.setdefault((vertex, own), len(self.index))
 
     def _touches(self, vertices):
@@ -80,10 +80,10 @@ class VertexCopies:
         for component in range(2):
             vec[component * scalar + np.flatnonzero(inside)] = field[component][inside]
             for vertex, functions in self.enriched.items():
-                larger = tuple(shift for _, _, shift in functions)
+                larger = tuple(shift for _, shift in functions)
                 on_larger = self._is_in(vertex, larger, part)
                 vec[component * scalar + vertex] = on_larger * field[component][vertex]
-                for k, (j, _, shift) in enumerate(functions):
+                for k, (j, shift) in enumerate(functions):
                     # the function ½(H - s) φ is -s φ on the other side
                     other = larger[:k] + (-shift,) + larger[k + 1 :]
                     difference = self._is_in(vertex, other, part) - on_larger

@@ -62,6 +62,11 @@ def unstructured_mesh(h):
     return Mesh(geometry.GenerateMesh(maxh=2 * h))
 
 
+def varied_mesh(h, realisation):
+    """Unstructured meshes of nearly the same size that differ: maxh = 2h, 2h·0.98, 2h·1.02, 2h·0.96, ..."""
+    return unstructured_mesh(h * (1 + 0.02 * ((realisation + 1) // 2) * (-1) ** realisation))
+
+
 def paper_problem(mesh, load="B", pair="P2/P1", stabilisation=BarbosaHughes(), cone="nonpositive", tip=TipEnrichment(material=MATERIAL)):
     """The ContactProblem on a mesh of the body; load "A", "B" or "C"; pair: a key of PAIRS."""
     body = CrackedMesh(mesh, Crack([(0, 0), (0.5, 0)]))

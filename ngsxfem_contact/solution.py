@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import InnerProduct, Integrate
 
 from . import _ngsxfem_contact as core
-from .operators import NormalGap, NormalStress, Slip, Strain, TangentialStress
+from .operators import NormalGap, Slip, Strain, TangentialStress
 from .spaces import crack_points
 
 

@@ -5,7 +5,6 @@ Every finished solve is one line of study.jsonl, so that a stopped study goes on
 
 import csv
 import json
-import os
 import pickle
 from pathlib import Path
 from time import perf_counter
@@ -17,7 +16,8 @@ from ngsolve.meshes import MakeStructured2DMesh
 from .checks import Coercivity, InfSup
 from .cones import CONES
 from .errors import SolveError
-from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from .files import write_whole
+from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, varied_mesh
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .solver import ReducedProblem, Report
@@ -30,9 +30,8 @@ ORDER = 7  # of the rules for errors
 
 
 def realisation_mesh(h, realisation, structured=False):
-    """Meshes of the same size that differ: maxh = 2h, 2h·0.98, 2h·1.02, ...; structured: an odd number of cells."""
-    factor = 1 + 0.02 * ((realisation + 1) // 2) * (-1) ** realisation
-    return structured_mesh(2 * int(round((0.437 / h - 1) / 2 + realisation)) + 1) if structured else unstructured_mesh(h * factor)
+    """Meshes of the same size that differ; structured: an odd number of cells."""
+    return structured_mesh(2 * int(round((0.437 / h - 1) / 2 + realisation)) + 1) if structured else varied_mesh(h, realisation)
 
 
 def structured_mesh(cells):
@@ -46,9 +45,8 @@ def reference_solution(folder, cells=REFERENCE_CELLS):
     if not path.exists():
         with TaskManager():
             solution = paper_problem(structured_mesh(cells)).Solve()
-        temporary = path.with_suffix(".part")
-        temporary.write_bytes(pickle.dumps((solution.u, solution.multiplier, solution.report.active[-1])))
-        os.replace(temporary, path)
+        state = pickle.dumps((solution.u, solution.multiplier, solution.report.active[-1]))
+        write_whole(path, lambda temporary: temporary.write_bytes(state))
     return path
 
 
@@ -268,20 +266,18 @@ def read_records(path):
 
 def write_records(path, records):
     """The whole file anew."""
-    temporary = path.with_suffix(".part")
-    temporary.write_text("".join(json.dumps(record) + "\n" for record in records), encoding="utf-8")
-    os.replace(temporary, path)
+    text = "".join(json.dumps(record) + "\n" for record in records)
+    write_whole(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
 def write_csv(path, records):
     """The convergence records as a table."""
     columns = ["mesh", "h", "realisation", "pair", "stabilisation", "cone", "L2", "H1", "energy", "multiplier", "norm", "energy_to_fitted", "force_to_fitted", "iterations", "oscillation", "reason"]
-    temporary = path.with_suffix(".part")
-    with open(temporary, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, columns, extrasaction="ignore", restval="")
-        writer.writeheader()
-        for record in records:
-            if record["kind"] == "convergence":
-                energy = {"energy": ""} | (record["error"] or {})
-                writer.writerow(record | energy)
-    os.replace(temporary, path)
+
+    def write(temporary):
+        with open(temporary, "w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, columns, extrasaction="ignore", restval="")
+            writer.writeheader()
+            writer.writerows(record | (record["error"] or {}) for record in records if record["kind"] == "convergence")
+
+    write_whole(path, write)
