@@ -1,8 +1,5 @@
 """From a ContactProblem to a ContactSolution: elimination of U, the active set, and what was checked on the way."""
 
-from dataclasses import dataclass, field
-from time import perf_counter
-
 import numpy as np
 from ngsolve import GridFunction
 
@@ -10,50 +7,11 @@ from .active_set import solve_active_set
 from .checks import check_coercive, check_data, check_multiplier, check_rigid_motions
 from .elimination import StiffnessInverse, schur_complement
 from .errors import NotConverged
+from .report import Report, Stopwatch
 from .solution import ContactSolution
 from .spaces import to_scipy
 
 TINY = np.finfo(float).tiny
-
-
-@dataclass
-class Report:
-    """What a solve did. residual: of both rows of (38), relative; complementarity: relative violation of the signs."""
-
-    unknowns: tuple
-    timings: dict = field(default_factory=dict)
-    converged: bool = False
-    iterations: int = 0
-    active: list = field(default_factory=list)
-    fallback: int = 0
-    residual: float = float("nan")
-    complementarity: float = float("nan")
-
-    def __str__(self):
-        sizes = " ".join(str(int(a.sum())) for a in self.active)
-        times = "  ".join(f"{name} {seconds:.3f}" for name, seconds in self.timings.items())
-        return "\n".join(
-            [
-                f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
-                f"converged        {self.converged} after {self.iterations} active-set iterations",
-                f"in contact       {sizes}" + (f"  (+ {self.fallback} least-index steps)" if self.fallback else ""),
-                f"residual         {self.residual:.1e}",
-                f"complementarity  {self.complementarity:.1e}",
-                f"seconds          {times}",
-            ]
-        )
-
-
-class Stopwatch:
-    """Seconds since the last mark, by name."""
-
-    def __init__(self, timings):
-        self.timings, self.last = timings, perf_counter()
-
-    def Mark(self, name):
-        """Books the time since the last mark."""
-        now = perf_counter()
-        self.timings[name], self.last = now - self.last, now
 
 
 def solve(problem, inverse="sparsecholesky", **options):

@@ -19,8 +19,9 @@ from .errors import SolveError
 from .files import write_whole
 from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, varied_mesh
 from .problem import ContactProblem
+from .report import Report
 from .solution import ContactSolution
-from .solver import ReducedProblem, Report
+from .solver import ReducedProblem
 from .stabilisation import BarbosaHughes, BothSides
 
 SIZES = (0.088, 0.057, 0.03, 0.016, 0.008)
