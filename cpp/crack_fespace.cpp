@@ -4,10 +4,6 @@ namespace ngsxfem_contact
 {
   using namespace ngcomp;
 
-  /// Supports of which less than this part lies on one side are not enriched: the energy of what they miss is
-  /// the square root of it, relative to the jump.
-  constexpr double smallest_part = 1e-14;
-
   namespace
   {
     /// The cracks are located in one mesh: a space on them does not follow its refinement.
@@ -68,10 +64,9 @@ namespace ngsxfem_contact
     body->CheckMesh();
     FESpace::Update();
     scalar->Update();
-    scalar->FinalizeUpdate();
     FindEnrichment();
     first_tip_dof.assign(tips.size(), 0);
-    size_t dofs = 2*(NumScalar() + NumHeaviside());
+    size_t dofs = FirstTipDof();
     for (size_t i = 0; i < tips.size(); i++)
       {
         first_tip_dof[i] = dofs;
@@ -79,16 +74,22 @@ namespace ngsxfem_contact
       }
     SetNDof(dofs);
 
-    functions[VOL].clear();
-    functions[BND].clear();
     CollectHeaviside(VOL);
     CollectHeaviside(BND);
     CollectTips();
     // every element of a disk has the tip's functions: atomic, so that they do not serialise the assembly
-    is_atomic_dof = BitArray(dofs);
+    is_atomic_dof = BitArray(dofs > size_t(FirstTipDof()) ? dofs : 0);
     is_atomic_dof.Clear();
-    for (size_t dof = 2*(NumScalar() + NumHeaviside()); dof < dofs; dof++) is_atomic_dof.SetBit(dof);
+    for (size_t dof = FirstTipDof(); dof < dofs; dof++) is_atomic_dof.SetBit(dof);
     UpdateCouplingDofArray();
+  }
+
+  /// Elements share functions, those of the tips aside, only where they share φ_i: the colours of P_k are right.
+  void CrackFESpace :: FinalizeUpdate ()
+  {
+    low_order_space = scalar;                         // whose colours the base class takes
+    FESpace::FinalizeUpdate();
+    low_order_space = nullptr;
   }
 
   void CrackFESpace :: UpdateCouplingDofArray ()
@@ -125,141 +126,6 @@ namespace ngsxfem_contact
             free_dofs->SetBit(dof);
             if (GetDofCouplingType(dof) != LOCAL_DOF) external_free_dofs->SetBit(dof);
           }
-  }
-
-  void CrackFESpace :: FindEnrichment ()
-  {
-    enrichment.clear();
-    supports.clear();
-    for (size_t c = 0; c < body->NumCracks(); c++)
-      {
-        std::set<std::pair<int, size_t>> nodes;
-        for (auto & location : body->Location(c).Elements())
-          {
-            auto el = ma->GetElement(ElementId(VOL, location.element));
-            for (auto v : el.Vertices()) nodes.insert({ NT_VERTEX, v });
-            for (auto e : el.Edges()) nodes.insert({ NT_EDGE, e });
-            nodes.insert({ NT_CELL, location.element });
-          }
-        for (auto [type, nr] : nodes)
-          EnrichNode(NodeId(NODE_TYPE(type), nr), c);
-      }
-  }
-
-  void CrackFESpace :: EnrichNode (NodeId node, size_t crack)
-  {
-    Array<DofId> dofs;
-    scalar->GetDofNrs(node, dofs);
-    if (dofs.Size() == 0) return;
-    auto support = ElementsOf(node);
-    if (HoldsTip(node, support, crack) || !IsCrossed(node, support, crack)) return;
-    auto sides = SupportSides(node, support, crack);
-    auto [plus, minus] = SupportAreas(sides, crack);
-    if (std::min(plus, minus) < smallest_part*(plus+minus)) return;
-    for (auto dof : dofs)
-      enrichment.push_back({ dof, supports.size() });
-    supports.push_back({ crack, plus >= minus ? 1 : -1, std::move(sides) });
-  }
-
-  Array<int> CrackFESpace :: ElementsOf (NodeId node) const
-  {
-    Array<int> elements;
-    if (node.GetType() == NT_VERTEX)
-      for (auto el : ma->GetVertexElements(node.GetNr())) elements.Append(el);
-    else if (node.GetType() == NT_EDGE)
-      ma->GetEdgeElements(node.GetNr(), elements);
-    else
-      elements.Append(node.GetNr());
-    return elements;
-  }
-
-  /// Whether the crack ends inside the open support of the functions of a node.
-  bool CrackFESpace :: HoldsTip (NodeId node, FlatArray<int> support, size_t crack) const
-  {
-    for (auto & end : body->Location(crack).Ends())
-      {
-        if (end.kind != EndKind::Tip) continue;
-        if (end.node == node) return true;
-        if (end.node.GetType() == NT_CELL && support.Contains(int(end.node.GetNr()))) return true;
-        if (end.node.GetType() == NT_EDGE && node.GetType() == NT_VERTEX)
-          {
-            auto [v0, v1] = ma->GetEdgePNums(end.node.GetNr());
-            if (v0 == int(node.GetNr()) || v1 == int(node.GetNr())) return true;
-          }
-      }
-    return false;
-  }
-
-  bool CrackFESpace :: IsCrossed (NodeId node, FlatArray<int> support, size_t crack) const
-  {
-    auto & location = body->Location(crack);
-    for (auto element : support)
-      if (auto place = location.Find(element); place && place->kind == ElementKind::Cut) return true;
-    for (auto edge : location.AlignedEdges())
-      {
-        auto [v0, v1] = ma->GetEdgePNums(edge);
-        if (node == NodeId(NT_EDGE, edge) || node == NodeId(NT_VERTEX, v0) || node == NodeId(NT_VERTEX, v1)) return true;
-      }
-    return false;
-  }
-
-  /// The crack gives the side of what it touches; from there sides spread over the edges that it does not run along.
-  /// (The straight extension of the crack beyond a mouth may run through the body again, so distances will not do.)
-  std::map<size_t, int> CrackFESpace :: SupportSides (NodeId node, FlatArray<int> support, size_t crack) const
-  {
-    auto & location = body->Location(crack);
-    auto & curve = body->GetCrack(crack);
-    std::map<size_t, int> sides;
-    std::vector<std::pair<size_t, int>> queue;
-    auto place = [&] (size_t element, int side)
-    {
-      if (support.Contains(int(element)) && !location.Find(element) && sides.insert({ element, side }).second)
-        queue.push_back({ element, side });
-    };
-    auto spread = [&] (size_t element, auto side_of_edge)
-    {
-      for (auto edge : ma->GetElement(ElementId(VOL, element)).Edges())
-        {
-          Array<int> neighbours;
-          ma->GetEdgeElements(edge, neighbours);
-          for (auto neighbour : neighbours)
-            if (size_t(neighbour) != element) place(neighbour, side_of_edge(edge));
-        }
-    };
-    for (auto element : support)
-      if (auto carried = location.Find(element))
-        {
-          sides[element] = 0;
-          spread(element, [&] (size_t edge)
-          {
-            // just beyond the edge: the crack may run along it
-            auto [v0, v1] = ma->GetEdgePNums(edge);
-            auto & t = carried->triangle;
-            return int(curve.SideOf(Lerp(Centre({ t[0], t[1], t[2] }), Lerp(ma->GetPoint<2>(v0), ma->GetPoint<2>(v1), 0.5), 1.001)));
-          });
-        }
-    while (!queue.empty())
-      {
-        auto [element, side] = queue.back();
-        queue.pop_back();
-        spread(element, [side=side] (size_t) { return side; });
-      }
-    return sides;
-  }
-
-  std::pair<double,double> CrackFESpace :: SupportAreas (const std::map<size_t, int> & sides, size_t crack) const
-  {
-    double plus = 0, minus = 0;
-    for (auto [element, side] : sides)
-      if (side == 0)
-        {
-          auto location = body->Location(crack).Find(element);
-          plus += location->area_plus;
-          minus += location->area_minus;
-        }
-      else
-        (side > 0 ? plus : minus) += Area(VerticesOf(*ma, element));
-    return { plus, minus };
   }
 
   const CrackFESpace::Enrichment & CrackFESpace :: At (size_t j) const
@@ -301,41 +167,69 @@ namespace ngsxfem_contact
   {
     std::multimap<DofId, size_t> of_dof;
     for (size_t j = 0; j < enrichment.size(); j++) of_dof.insert({ enrichment[j].dof, j });
-    BitArray enriched(NumScalar());
-    enriched.Clear();
-    for (auto [dof, j] : of_dof) enriched.SetBit(dof);
+    heaviside_of[vb].SetSize(ma->GetNE(vb));
+    heaviside_of[vb] = 0;
+    heaviside[vb].assign(1, {});
 
     Array<DofId> dofs;
-    for (size_t i = 0; i < ma->GetNE(vb); i++)
+    auto collect = [&] (size_t element)
+    {
+      HeavisideFunctions found;
+      scalar->GetDofNrs(ElementId(vb, element), dofs);
+      for (size_t local = 0; local < dofs.Size(); local++)
+        for (auto [it, last] = of_dof.equal_range(dofs[local]); it != last; ++it)
+          {
+            auto & support = SupportOf(it->second);
+            int side = vb == VOL ? HeavisideSide(it->second, element) : SideOfBoundaryElement(element, support);
+            HeavisideFunction function { int(local), support.shift, support.crack, side };
+            // without a trace on a boundary element it is no unknown of it: a Dirichlet condition must not fix it
+            if (vb == BND && side && function.Value(side) == 0) continue;
+            found.functions.push_back(function);
+            found.global.push_back(it->second);
+          }
+      if (found.functions.empty()) return;
+      heaviside_of[vb][element] = heaviside[vb].size();
+      heaviside[vb].push_back(std::move(found));
+    };
+    if (vb == BND)
+      for (size_t element = 0; element < ma->GetNE(BND); element++) collect(element);
+    else
       {
-        scalar->GetDofNrs(ElementId(vb, i), dofs);
-        for (size_t local = 0; local < dofs.Size(); local++)
-          if (IsRegularDof(dofs[local]) && enriched.Test(dofs[local]))
-            for (auto [it, last] = of_dof.equal_range(dofs[local]); it != last; ++it)
-              {
-                auto & support = SupportOf(it->second);
-                int side = vb == VOL ? HeavisideSide(it->second, i) : SideOfBoundaryElement(i, support);
-                HeavisideFunction function { int(local), support.shift, support.crack, side };
-                // without a trace on a boundary element it is no unknown of it: a Dirichlet condition must not fix it
-                if (vb == BND && side && function.Value(side) == 0) continue;
-                auto & f = functions[vb][i];
-                f.heaviside.push_back(function);
-                f.global.push_back(it->second);
-              }
+        std::set<size_t> elements;
+        for (auto & support : supports)
+          for (auto [element, side] : support.sides) elements.insert(element);
+        for (auto element : elements) collect(element);
       }
   }
 
   void CrackFESpace :: CollectTips ()
   {
+    tips_of.SetSize(ma->GetNE(VOL));
+    tips_of = 0;
+    tip_sets.assign(1, {});
     for (size_t t = 0; t < tips.size(); t++)
       if (tips[t])
         for (size_t i = 0; i < ma->GetNE(VOL); i++)
-          if (DistanceToTriangle(tips[t]->Tip(), VerticesOf(*ma, i)) < tips[t]->Spec().r1)
+          if (MeetsDisk(VerticesOf(*ma, i), tips[t]->Tip(), tips[t]->Spec().r1))
             {
-              auto & f = functions[VOL][i];
-              f.tips.push_back(&*tips[t]);
-              for (auto dof : TipDofs(t)) f.tip_dofs.push_back(dof);
+              auto with = tip_sets[tips_of[i]].tips;
+              with.push_back(t);
+              tips_of[i] = TipSetOf(with);
             }
+  }
+
+  int CrackFESpace :: TipSetOf (const std::vector<size_t> & numbers)
+  {
+    for (size_t i = tip_sets.size(); i-- > 0; )
+      if (tip_sets[i].tips == numbers) return i;
+    TipSet set { numbers, {}, {} };
+    for (auto t : numbers)
+      {
+        set.functions.push_back(&*tips[t]);
+        for (auto dof : TipDofs(t)) set.dofs.push_back(dof);
+      }
+    tip_sets.push_back(std::move(set));
+    return tip_sets.size()-1;
   }
 
   std::vector<DofId> CrackFESpace :: TipDofs (size_t tip) const
@@ -345,35 +239,37 @@ namespace ngsxfem_contact
     return dofs;
   }
 
+  namespace
+  {
+    template <typename T>
+    FlatArray<T> View (const std::vector<T> & v) { return FlatArray<T>(v.size(), const_cast<T*>(v.data())); }
+  }
+
   FiniteElement & CrackFESpace :: GetFE (ElementId ei, Allocator & alloc) const
   {
     auto & fe = scalar->GetFE(ei, alloc);
     if (ei.VB() > BND) return fe;
-    auto & base = static_cast<BaseScalarFiniteElement&>(fe);
-    auto it = functions[ei.VB()].find(ei.Nr());
-    if (it == functions[ei.VB()].end())
-      return *new (alloc) CrackFiniteElement(base, {}, {}, *body, nullptr);
-    auto & f = it->second;
+    auto & jumps = HeavisideOf(ei).functions;
+    auto & singular = TipsOf(ei).functions;
+    bool located = ei.VB() == VOL && !(jumps.empty() && singular.empty());
     return *new (alloc) CrackFiniteElement
-      (base, FlatArray<HeavisideFunction>(f.heaviside.size(), const_cast<HeavisideFunction*>(f.heaviside.data())),
-       FlatArray<const TipFunctions*>(f.tips.size(), const_cast<const TipFunctions**>(f.tips.data())),
-       *body, ei.VB() == VOL ? body->Find(ei.Nr()) : nullptr);
+      (static_cast<BaseScalarFiniteElement&>(fe), View(jumps), View(singular), *body, located ? body->Find(ei.Nr()) : nullptr);
   }
 
   void CrackFESpace :: GetDofNrs (ElementId ei, Array<DofId> & dnums) const
   {
-    ArrayMem<DofId, 50> dofs;
-    scalar->GetDofNrs(ei, dofs);
-    dnums.SetSize0();
-    const ElementFunctions * f = nullptr;
-    if (ei.VB() <= BND)
-      if (auto it = functions[ei.VB()].find(ei.Nr()); it != functions[ei.VB()].end()) f = &it->second;
-    for (int k = 0; k < 2; k++)
-      {
-        for (auto dof : dofs) dnums.Append(IsRegularDof(dof) ? DofId(k*NumScalar()+dof) : dof);
-        if (f) for (auto j : f->global) dnums.Append(HeavisideDof(j, k));
-      }
-    if (f) for (auto dof : f->tip_dofs) dnums.Append(dof);
+    static const HeavisideFunctions no_jumps;
+    static const TipSet no_tips;
+    auto & global = (ei.VB() <= BND ? HeavisideOf(ei) : no_jumps).global;
+    auto & tip_dofs = (ei.VB() <= BND ? TipsOf(ei) : no_tips).dofs;
+    scalar->GetDofNrs(ei, dnums);
+    size_t nd = dnums.Size(), n = nd + global.size();
+    dnums.SetSize(2*n + tip_dofs.size());
+    for (size_t i = 0; i < nd; i++)
+      dnums[n+i] = IsRegularDof(dnums[i]) ? DofId(NumScalar()+dnums[i]) : dnums[i];
+    for (size_t j = 0; j < global.size(); j++)
+      for (size_t k = 0; k < 2; k++) dnums[k*n+nd+j] = HeavisideDof(global[j], k);
+    for (size_t m = 0; m < tip_dofs.size(); m++) dnums[2*n+m] = tip_dofs[m];
   }
 
   void CrackFESpace :: GetDofNrs (NodeId ni, Array<DofId> & dnums) const

@@ -24,14 +24,21 @@ namespace ngsxfem_contact
     std::vector<Support> supports;
     struct Enrichment { DofId dof; size_t support; };
     std::vector<Enrichment> enrichment;               // N_H
-    struct ElementFunctions
+    struct HeavisideFunctions
     {
-      std::vector<HeavisideFunction> heaviside;
+      std::vector<HeavisideFunction> functions;
       std::vector<size_t> global;                     // positions in enrichment
-      std::vector<const TipFunctions*> tips;
-      std::vector<size_t> tip_dofs;
     };
-    std::map<size_t, ElementFunctions> functions[2];  // VOL, BND: elements with more than the φ_i
+    struct TipSet                                     // tips whose disks meet an element
+    {
+      std::vector<size_t> tips;
+      std::vector<const TipFunctions*> functions;
+      std::vector<DofId> dofs;
+    };
+    // by element, VOL and BND; 0: none
+    Array<int> heaviside_of[2], tips_of;
+    std::vector<HeavisideFunctions> heaviside[2];
+    std::vector<TipSet> tip_sets;
 
   public:
     /// tips: one entry for each tip of the body, empty where there shall be no singular functions, or none at all.
@@ -45,6 +52,7 @@ namespace ngsxfem_contact
     double Tolerance() const { return tolerance; }
 
     void Update () override;
+    void FinalizeUpdate () override;
     void UpdateCouplingDofArray () override;
     void UpdateFreeDofs () override;
     FiniteElement & GetFE (ElementId ei, ngcore::Allocator & alloc) const override;
@@ -60,6 +68,8 @@ namespace ngsxfem_contact
     /// Of an element in the support: +1, -1, or 0 if the crack divides it or runs along it.
     int HeavisideSide (size_t j, size_t element) const;
     std::vector<DofId> TipDofs (size_t tip) const;
+    /// All dofs from here on belong to tips.
+    DofId FirstTipDof () const { return 2*(NumScalar()+NumHeaviside()); }
 
   private:
     void SetTips (const std::vector<std::optional<TipSpec>> & specs);
@@ -74,6 +84,11 @@ namespace ngsxfem_contact
     const Support & SupportOf (size_t j) const { return supports[At(j).support]; }
     void CollectHeaviside (VorB vb);
     void CollectTips ();
+    int TipSetOf (const std::vector<size_t> & tips);
+    const HeavisideFunctions & HeavisideOf (ElementId ei) const
+    { return heaviside[ei.VB()][heaviside_of[ei.VB()][ei.Nr()]]; }
+    const TipSet & TipsOf (ElementId ei) const
+    { return tip_sets[ei.VB() == VOL ? tips_of[ei.Nr()] : 0]; }
     int SideOfBoundaryElement (size_t element, const Support & support) const;
   };
 }

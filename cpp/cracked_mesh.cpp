@@ -6,6 +6,13 @@ namespace ngsxfem_contact
   using ngcore::Exception;
   using ngfem::IntegrationRule, ngfem::IntegrationPoint;
 
+  void RuleTable :: AddGauss (size_t element, int order)
+  {
+    auto [it, is_new] = gauss.insert({ order, int(rules.size()) });
+    if (is_new) rules.push_back(std::make_unique<ElementRule>(ngfem::SelectIntegrationRule(ngfem::ET_TRIG, order).Copy()));
+    index[element] = it->second;
+  }
+
   CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks)
     : mesh(amesh), num_elements(amesh->GetNE(VOL)), cracks(std::move(acracks))
   {
@@ -108,6 +115,7 @@ namespace ngsxfem_contact
     quadrature->breaks.merge(breaks);
     quadrature->tolerance = std::min(quadrature->tolerance, tolerance);
     rule_tables.clear();
+    rule_version++;
   }
 
   shared_ptr<const RuleTable> CrackedMesh :: Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes) const
@@ -128,7 +136,7 @@ namespace ngsxfem_contact
   {
     std::vector<const TipQuadrature*> near;
     for (auto & quadrature : tip_quadrature)
-      if (quadrature && DistanceToTriangle(quadrature->tip, t) < quadrature->Radius()) near.push_back(&*quadrature);
+      if (quadrature && MeetsDisk(t, quadrature->tip, quadrature->Radius())) near.push_back(&*quadrature);
     return near;
   }
 
@@ -191,8 +199,20 @@ namespace ngsxfem_contact
   {
     auto table = make_shared<RuleTable>(mesh->GetNE(VOL));
     for (size_t element = 0; element < mesh->GetNE(VOL); element++)
-      if (crack_of_element.count(element) || !TipsNear(VerticesOf(*mesh, element)).empty())
-        table->Add(element, MakeVolumeRule(domain, element, order));
+      {
+        if (crack_of_element.count(element))
+          {
+            table->Add(element, MakeVolumeRule(domain, element, order));
+            continue;
+          }
+        auto t = VerticesOf(*mesh, element);
+        auto near = TipsNear(t);
+        if (near.empty()) continue;
+        if (auto gauss = GaussOrder(t, order, *near[0]); gauss && near.size() == 1)
+          table->AddGauss(element, *gauss);
+        else
+          table->Add(element, MakeVolumeRule(domain, element, order));
+      }
     return table;
   }
 

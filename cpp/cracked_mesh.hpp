@@ -2,6 +2,7 @@
 // A mesh with its cracks: where they lie, their tips, and the integration rules of its measures.
 
 #include "cut_rule.hpp"
+#include <atomic>
 #include <memory>
 #include <mutex>
 
@@ -38,10 +39,13 @@ namespace ngsxfem_contact
   {
     std::vector<int> index;      // by element number; -1: the standard rule
     std::vector<std::unique_ptr<ElementRule>> rules;
+    std::map<int, int> gauss;    // the one rule of an order, shared by its elements
   public:
     RuleTable (size_t n) : index(n, -1) { }
     void Add (size_t element, std::unique_ptr<ElementRule> rule)
     { index[element] = int(rules.size()); rules.push_back(std::move(rule)); }
+    /// The standard rule of another order.
+    void AddGauss (size_t element, int order);
     const ElementRule * Find (size_t element) const
     { return index[element] < 0 ? nullptr : rules[index[element]].get(); }
   };
@@ -59,6 +63,7 @@ namespace ngsxfem_contact
     using RuleKey = std::tuple<Domain, VorB, int, CrackNodes>;
     mutable std::map<RuleKey, shared_ptr<const RuleTable>> rule_tables;
     mutable std::mutex rule_mutex;
+    std::atomic<size_t> rule_version = 0;
 
   public:
     /// Throws for what Crack and CrackLocation refuse, and for two cracks that share an element.
@@ -85,6 +90,8 @@ namespace ngsxfem_contact
 
     /// The table for rules of the given order; nodes: where the rules on Γ_C are divided, beside the mesh edges and kinks.
     shared_ptr<const RuleTable> Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes = {}) const;
+    /// Changes when rules that were made before are no longer right.
+    size_t RuleVersion () const { return rule_version; }
 
   private:
     size_t Checked (size_t crack) const;

@@ -19,21 +19,56 @@ namespace ngsxfem_contact
       ~CurrentElement () { current_element = previous; }
     };
 
+    /// The rules of a measure for one integrator: looked up once for each order, then without a lock.
+    class CachedRules
+    {
+      struct Entry { size_t version; shared_ptr<const RuleTable> table; };
+      static constexpr int max_order = 40;
+
+      Measure measure;
+      VorB vb;
+      mutable std::array<std::atomic<const Entry*>, max_order> current {};
+      mutable std::vector<std::unique_ptr<const Entry>> entries;     // earlier ones may still be in use
+      mutable std::mutex mutex;
+
+    public:
+      CachedRules (Measure ameasure, VorB avb) : measure(std::move(ameasure)), vb(avb) { }
+
+      const ElementRule * Find (int order, size_t element) const
+      {
+        order = std::max(0, order);
+        if (order >= max_order) return measure.Rules(vb, order)->Find(element);
+        auto entry = current[order].load(std::memory_order_acquire);
+        if (!entry || entry->version != measure.body->RuleVersion()) entry = Renew(order);
+        return entry->table->Find(element);
+      }
+
+    private:
+      const Entry * Renew (int order) const
+      {
+        std::lock_guard guard(mutex);
+        auto version = measure.body->RuleVersion();
+        if (auto entry = current[order].load(); entry && entry->version == version) return entry;
+        entries.push_back(std::make_unique<Entry>(version, measure.Rules(vb, order)));
+        current[order].store(entries.back().get(), std::memory_order_release);
+        return entries.back().get();
+      }
+    };
+
     /// A symbolic integrator of NGSolve with the rules of a measure.
     template <typename BASE>
     class WithMeasure : public BASE
     {
     protected:
-      Measure measure;
+      CachedRules rules;
 
       virtual int RuleOrder (const FiniteElement & fel) const = 0;
 
-      const ElementRule * Find (const FiniteElement & fel) const
-      { return measure.Rules(this->vb, std::max(0, RuleOrder(fel)))->Find(current_element); }
+      const ElementRule * Find (const FiniteElement & fel) const { return rules.Find(RuleOrder(fel), current_element); }
 
     public:
       WithMeasure (shared_ptr<CoefficientFunction> acf, VorB avb, Measure ameasure)
-        : BASE(acf, avb, VOL), measure(std::move(ameasure)) { }
+        : BASE(acf, avb, VOL), rules(std::move(ameasure), avb) { }
 
       string Name () const override { return "Cut " + BASE::Name(); }
 
@@ -89,17 +124,16 @@ namespace ngsxfem_contact
     class CutLinearFormIntegrator : public SymbolicLinearFormIntegrator
     {
       using BASE = SymbolicLinearFormIntegrator;
-      Measure measure;
+      CachedRules rules;
     public:
       CutLinearFormIntegrator (shared_ptr<CoefficientFunction> acf, VorB avb, Measure ameasure)
-        : BASE(acf, avb, VOL), measure(std::move(ameasure)) { }
+        : BASE(acf, avb, VOL), rules(std::move(ameasure), avb) { }
 
       string Name () const override { return "Cut " + BASE::Name(); }
 
       void CalcElementVector (const FiniteElement & fel, const ElementTransformation & trafo, FlatVector<double> elvec, LocalHeap & lh) const override
       {
-        auto table = measure.Rules(vb, 2*fel.Order()+bonus_intorder);
-        auto rule = table->Find(trafo.GetElementNr());
+        auto rule = rules.Find(2*fel.Order()+bonus_intorder, trafo.GetElementNr());
         if (!rule)
           BASE::CalcElementVector(fel, trafo, elvec, lh);
         else if (!simd_evaluate)

@@ -184,6 +184,13 @@ namespace ngsxfem_contact
     return std::min({ Distance(p, t[0], t[1]), Distance(p, t[1], t[2]), Distance(p, t[2], t[0]) });
   }
 
+  bool MeetsDisk (const Triangle & t, Point p, double r)
+  {
+    double nearest = std::min({ Norm(Point(t[0]-p)), Norm(Point(t[1]-p)), Norm(Point(t[2]-p)) });
+    if (nearest < r) return true;
+    return nearest < r + LongestEdge(t) && DistanceToTriangle(p, t) < r;
+  }
+
   int TipQuadrature :: RadialPoints (int order) const
   {
     // |∇(χF)|² r dr with quintic χ is a polynomial of degree 2·(2·5) + 2·1 + 1 in √r, beside order·2 of the rest
@@ -205,32 +212,40 @@ namespace ngsxfem_contact
       rule.push_back({ Point(ip(0)*t[0] + ip(1)*t[1] + (1-ip(0)-ip(1))*t[2]), ip.Weight()*jacobian });
   }
 
-  void AppendTriangleNearTip (const Triangle & t, int order, const TipQuadrature & tip, PointRule & rule)
+  std::optional<int> GaussOrder (const Triangle & t, int order, const TipQuadrature & tip)
   {
     double h = LongestEdge(t), r = DistanceToTriangle(tip.tip, t);
-    bool crossed = false;
+    if (r < 1.5*h) return std::nullopt;
     for (double radius : tip.breaks)
-      crossed = crossed || Crosses(t, tip.tip, radius);
-    if (r <= snap*h)
+      if (Crosses(t, tip.tip, radius)) return std::nullopt;
+    // √r is analytic up to the tip: the error of Gauss falls by e = z + √(z²-1) for each degree, z = 1 + 2r/h;
+    // χ² is a polynomial of degree 10 in r at the scale of its annulus
+    double z = 1 + 2*r/h, e = z + sqrt(z*z-1), scale = 1 + tip.AnnulusWidth(r)/h;
+    double digits = -log(tip.tolerance);
+    int extra = int(std::ceil(std::max(0.7*digits/log(e), std::min(10.0, 0.7*digits/log(scale)))));
+    int raised = std::min(order+extra, 24);
+    return raised == 2 ? 3 : raised;               // see AppendTriangle
+  }
+
+  void AppendTriangleNearTip (const Triangle & t, int order, const TipQuadrature & tip, PointRule & rule)
+  {
+    if (auto gauss = GaussOrder(t, order, tip))
       {
-        TipQuadrature centre = tip;
-        centre.tip = Snapped(tip.tip, t, snap*h);
-        for (int i = 0; i < 3; i++)
-          {
-            Triangle part { centre.tip, t[i], t[(i+1)%3] };
-            if (Area(part) > 1e-13*h*h) AppendPolar(part, order, centre, rule);
-          }
+        AppendTriangle(t, *gauss, rule);
+        return;
       }
-    else if (r < 1.5*h || crossed)
-      AppendPolar(t, order, tip, rule);
-    else
+    double h = LongestEdge(t);
+    if (DistanceToTriangle(tip.tip, t) > snap*h)
       {
-        // √r is analytic up to the tip: the error of Gauss falls by e = z + √(z²-1) for each degree, z = 1 + 2r/h;
-        // χ² is a polynomial of degree 10 in r at the scale of its annulus
-        double z = 1 + 2*r/h, e = z + sqrt(z*z-1), scale = 1 + tip.AnnulusWidth(r)/h;
-        double digits = -log(tip.tolerance);
-        int extra = int(std::ceil(std::max(0.7*digits/log(e), std::min(10.0, 0.7*digits/log(scale)))));
-        AppendTriangle(t, std::min(order+extra, 24), rule);
+        AppendPolar(t, order, tip, rule);
+        return;
+      }
+    TipQuadrature centre = tip;
+    centre.tip = Snapped(tip.tip, t, snap*h);
+    for (int i = 0; i < 3; i++)
+      {
+        Triangle part { centre.tip, t[i], t[(i+1)%3] };
+        if (Area(part) > 1e-13*h*h) AppendPolar(part, order, centre, rule);
       }
   }
 

@@ -27,6 +27,9 @@ namespace ngsxfem_contact
   /// Plain Gauss rule of the given order on one triangle.
   void AppendTriangle (const Triangle & t, int order, PointRule & rule);
 
+  /// The order of plain Gauss that integrates the functions of a tip over a triangle to the tolerance, if it can.
+  std::optional<int> GaussOrder (const Triangle & t, int order, const TipQuadrature & tip);
+
   /// The rule for a triangle that meets the disk of a tip: plain Gauss of raised order where the functions are
   /// smooth at the scale of t, in polar coordinates around the tip elsewhere.
   void AppendTriangleNearTip (const Triangle & t, int order, const TipQuadrature & tip, PointRule & rule);
@@ -35,4 +38,6 @@ namespace ngsxfem_contact
   void AppendSegment (Point a, Point b, int order, const TipQuadrature * tip, double break_distance, PointRule & rule);
 
   double DistanceToTriangle (Point p, const Triangle & t);
+  /// Whether the distance of p to t is less than r.
+  bool MeetsDisk (const Triangle & t, Point p, double r);
 }

@@ -143,7 +143,7 @@ class ContactSystem:
         lam, mu = W.TnT()
         dcrack = W.dcrack
 
-        stiffness = BilinearForm(V, symmetric=True)
+        stiffness = core.CrackBilinearForm(V, symmetric=True)
         stiffness += InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx
         coupling = BilinearForm(trialspace=V, testspace=W)
         coupling += -mu * NormalGap(u, body) * dcrack

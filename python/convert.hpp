@@ -6,6 +6,7 @@
 #include <python_ngstd.hpp>
 #include <python_comp.hpp>
 #include "crack_fespace.hpp"
+#include "crack_bilinearform.hpp"
 #include "trace_space.hpp"
 #include "cut_integral.hpp"
 #include "crack_normal.hpp"

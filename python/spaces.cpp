@@ -97,9 +97,21 @@ static void ExportTraceSpace (py::module & m)
                     [] (py::tuple t) { return MakeTraceSpace(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<shared_ptr<TraceBasis>>(), t[2].cast<int>()); }));
 }
 
+static void ExportCrackBilinearForm (py::module & m)
+{
+  py::class_<CrackBilinearForm, shared_ptr<CrackBilinearForm>, BilinearForm> form(m, "CrackBilinearForm",
+      "NGSolve's BilinearForm on a CrackFESpace, with the rows of the tip functions, as long as their disks are large, written directly:\n"
+      "the same matrix, assembled faster. Flags as for BilinearForm, but for those that choose another storage.");
+  form.def(py::init([form] (shared_ptr<CrackFESpace> space, string name, py::kwargs kwargs)
+                    { return make_shared<CrackBilinearForm>(space, name, CreateFlagsFromKwArgs(kwargs, form)); }),
+           py::arg("space"), py::arg("name") = "crack_form")
+    .def_static("__flags_doc__", [] { return py::type::of<BilinearForm>().attr("__flags_doc__")(); });
+}
+
 void ExportSpaces (py::module & m)
 {
   ExportTipSpec(m);
   ExportCrackFESpace(m);
+  ExportCrackBilinearForm(m);
   ExportTraceSpace(m);
 }

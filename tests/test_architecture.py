@@ -17,7 +17,7 @@ BINDING_FILES = sorted((ROOT / "python").glob("*.?pp"))
 PYTHON_FILES = sorted(PACKAGE.glob("*.py"))
 
 GEOMETRY = {"crack", "element_location", "cut_rule", "cracked_mesh"}
-SPACES = {"tip_functions", "crack_element", "diffops", "crack_fespace", "trace_space", "cut_integral"}
+SPACES = {"tip_functions", "crack_element", "diffops", "crack_fespace", "crack_bilinearform", "trace_space", "cut_integral"}
 FORMS = {"spaces", "operators", "elasticity"}
 SOLVING = {"problem", "solver", "solution", "stabilisation"}
 RESULTS = {"solution", "plotting", "closed_forms", "paper"}

@@ -10,6 +10,7 @@ from ngsolve import (
 )  # fmt: skip
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Gradient, Jump, Minus, Plus, Strain, TipEnrichment
+from ngsxfem_contact import _ngsxfem_contact as core
 
 R0, R1 = 0.06, 0.3
 MESH = rectangle(0.2)
@@ -421,6 +422,30 @@ def test_two_threads_assemble_the_same_matrix():
         load = vector(CF((x, y)) * v * BODY.dx)
     assert abs(alone - together).max() < 1e-14 * abs(alone).max()
     assert load == pytest.approx(vector(CF((x, y)) * v * BODY.dx), abs=1e-15)
+
+
+CRACKS_WITH_TIPS = {
+    "one tip": ([(0, 0.43), (0.58, 0.53)], TipEnrichment(r1=0.25)), "disks that touch": ([(0.44, 0.43), (0.58, 0.53)], TipEnrichment()),
+    "modes": ([(0.3, 0.43), (0.7, 0.53)], TipEnrichment(material=Elasticity(1, 1))), "no tip functions": ([(0.3, 0.43), (0.7, 0.53)], None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("points, tip", CRACKS_WITH_TIPS.values(), ids=CRACKS_WITH_TIPS.keys())
+@pytest.mark.parametrize("flags", [dict(), dict(symmetric=True), dict(condense=True)], ids=["", "symmetric", "condense"])
+def test_crack_bilinear_form_has_the_matrix_of_the_bilinear_form(points, tip, flags):
+    """Not symmetric, with threads, twice."""
+    body = CrackedMesh(MESH, Crack(points))
+    V = CrackFESpace(body, order=3, tip=tip)
+    u, v = V.TnT()
+    for integrand in (InnerProduct(Strain(u), Strain(v)), InnerProduct(Strain(u), Grad(v)) + x * Grad(u)[0, 1] * v[0] + u * v):
+        forms = [F(V, **flags) for F in (BilinearForm, core.CrackBilinearForm)]
+        for form in forms:
+            form += integrand * body.dx + Jump(u) * Jump(v) * body.dcrack
+            with TaskManager():
+                form.Assemble()
+            form.Assemble()
+        plain, crack = (to_scipy(form.mat) for form in forms)
+        assert abs(plain - crack).max() < 1e-14 * abs(plain).max()
 
 
 @pytest.mark.parametrize("order, bubble", [(3, False), (1, True)])

@@ -1,0 +1,30 @@
+#pragma once
+// NGSolve's bilinear form on V_h with the long rows of the tip functions written directly.
+
+#include "crack_fespace.hpp"
+#include <bilinearform.hpp>
+
+namespace ngsxfem_contact
+{
+  using ngcore::FlatArray;
+
+  /// A row of a tip function has an entry for every function in its disk. NGSolve's form searches a row from its start
+  /// for every element, and adds all entries of all elements atomically if any unknown is shared by all of them.
+  class CrackBilinearForm : public ngcomp::T_BilinearForm<double>
+  {
+    shared_ptr<CrackFESpace> space;
+    Array<int> column;           // by dof: its place in the rows of a tip, the last one if there are several
+
+  public:
+    CrackBilinearForm (shared_ptr<CrackFESpace> aspace, const string & aname, const Flags & flags)
+      : T_BilinearForm<double>(aspace, aname, flags), space(aspace) { }
+
+    void AllocateMatrix () override;
+    void AddElementMatrix (FlatArray<int> rows, FlatArray<int> cols, BareSliceMatrix<double> elmat,
+                           ElementId id, bool atomic, LocalHeap & lh) override;
+
+  private:
+    size_t Place (int dof, FlatArray<int> columns) const;
+    void AddTipRow (int row, FlatArray<int> cols, size_t num_tip, ngbla::BareVector<double> values, bool atomic);
+  };
+}
