@@ -6,9 +6,10 @@ from time import perf_counter
 
 @dataclass
 class Report:
-    """What a solve did. residual: of both rows of (38), relative; complementarity: relative violation of the signs."""
+    """What a solve did. inverse: the direct solver; residual: of both rows of (38), relative; complementarity: relative violation of the signs."""
 
     unknowns: tuple
+    inverse: str = ""
     timings: dict = field(default_factory=dict)
     converged: bool = False
     iterations: int = 0
@@ -23,6 +24,7 @@ class Report:
         return "\n".join(
             [
                 f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
+                f"direct solver    {self.inverse}",
                 f"converged        {self.converged} after {self.iterations} active-set iterations",
                 f"in contact       {sizes}" + (f"  (+ {self.fallback} least-index steps)" if self.fallback else ""),
                 f"residual         {self.residual:.1e}",

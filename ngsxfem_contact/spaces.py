@@ -148,6 +148,12 @@ def to_scipy(matrix):
     return csr_matrix((np.array(values), np.array(columns), np.array(rows)), shape=(matrix.height, matrix.width))
 
 
+def csr_view(matrix):
+    """The same without a copy: valid as long as the matrix is."""
+    values, columns, rows = (np.asarray(part) for part in matrix.CSR())
+    return csr_matrix((values, columns, rows), shape=(matrix.height, matrix.width), copy=False)
+
+
 def mass_matrix(W):
     """∫ψ_i ψ_j over the cracks, scipy CSR."""
     lam, mu = W.TnT()
