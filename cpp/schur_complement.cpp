@@ -32,9 +32,9 @@ namespace ngsxfem_contact
     }
   }
 
-  SchurSweep :: SchurSweep (const ngla::SparseCholeskyTM<double> & afactors, const SparseColumns & aC)
-    : factors(afactors), C(aC), unknown(factors.GetNUsed()), block_of(factors.GetNUsed()),
-      columns(factors.GetBlocks().Size()-1), rows(columns.size()), S(C.height)
+  SchurSweep :: SchurSweep (const ngla::SparseCholeskyTM<double> & afactors, const SparseColumns & aK)
+    : factors(afactors), K(aK), unknown(factors.GetNUsed()), block_of(factors.GetNUsed()),
+      columns(factors.GetBlocks().Size()-1), rows(columns.size()), S(K.height)
   {
     auto order = factors.GetOrder();
     for (auto dof : Range(order))
@@ -52,7 +52,7 @@ namespace ngsxfem_contact
         auto & own = columns[block];
         size_t below = own.size();
         for (auto i : factors.BlockDofs(block))
-          for (int k = C.first[unknown[i]]; k < C.first[unknown[i]+1]; k++) own.push_back(C.row[k]);
+          for (int k = K.first[unknown[i]]; k < K.first[unknown[i]+1]; k++) own.push_back(K.row[k]);
         std::sort(own.begin()+below, own.end());
         std::inplace_merge(own.begin(), own.begin()+below, own.end());
         own.erase(std::unique(own.begin(), own.end()), own.end());
@@ -74,8 +74,8 @@ namespace ngsxfem_contact
     Z.SetSize(range.Size(), active.size());
     Z = 0.0;
     for (auto i : range)
-      for (int k = C.first[unknown[i]]; k < C.first[unknown[i]+1]; k++)
-        Z(i-range.First(), std::lower_bound(active.begin(), active.end(), C.row[k]) - active.begin()) += C.value[k];
+      for (int k = K.first[unknown[i]]; k < K.first[unknown[i]+1]; k++)
+        Z(i-range.First(), std::lower_bound(active.begin(), active.end(), K.row[k]) - active.begin()) += K.value[k];
     return Z;
   }
 

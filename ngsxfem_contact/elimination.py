@@ -7,7 +7,10 @@ from ngsolve import BitArray
 from scipy.sparse import csr_matrix, vstack
 
 from . import _ngsxfem_contact as core
+from . import pardiso
 from .spaces import csr_view
+
+PARDISO_PAYS = 200_000  # unknowns; below, its analysis costs what its factorisation saves (docs/measured.md)
 
 
 class BackSubstitution:
@@ -51,10 +54,17 @@ class PartialFactorisation(BackSubstitution):
 
 
 def factorise(matrix, inner, K, inverse):
-    """A⁻¹ on the unknowns of a BitArray, by the strategy that goes with a direct solver of NGSolve."""
-    if inverse in (None, "sparsecholesky"):
-        return PartialFactorisation(matrix, inner, K)
+    """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy that goes with a direct solver of NGSolve."""
+    inverse = inverse or default_inverse(matrix.height)
+    strategies = {"sparsecholesky": PartialFactorisation, "pardiso": pardiso.Pardiso}
+    if inverse in strategies:
+        return strategies[inverse](matrix, inner, K)
     return BackSubstitution(matrix, inner, K, inverse)
+
+
+def default_inverse(size):
+    """MKL's Pardiso where it is installed and worth it."""
+    return "pardiso" if size > PARDISO_PAYS and pardiso.is_available() else "sparsecholesky"
 
 
 @dataclass
