@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import GridFunction
 
-from .active_set import solve_active_set
+from .active_set import coarse_start, solve_active_set
 from .checks import check_coercive, check_data, check_multiplier, check_rigid_motions
 from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
@@ -20,7 +20,7 @@ def solve(problem, inverse=None, **options):
 
     inverse: NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "pardiso" where MKL is installed
     and "sparsecholesky" elsewhere.    As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
-    options: cone, r, start, max_iterations as for ReducedProblem.Solve.
+    options: cone, r, start, max_iterations as for ReducedProblem.Step.
     Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
     """
     return ReducedProblem(problem, inverse).Solve(**options)
@@ -53,7 +53,7 @@ class ReducedProblem:
     """
 
     def __init__(self, problem, inverse=None, check=True):
-        self.problem, self.timings, self.check = problem, {}, check
+        self.problem, self.timings, self.check, self.transformed = problem, {}, check, {}
         watch = Stopwatch(self.timings)
         check_rigid_motions(problem)
         watch.Mark("check")
@@ -78,28 +78,60 @@ class ReducedProblem:
         load = load or self.load
         return self.elimination.Recover(load.reduced, L) + load.given
 
-    def Solve(self, cone=None, r=1.0, start=None, max_iterations=100, load=None):
-        """The ContactSolution.
+    def Solve(self, **options):
+        """The ContactSolution, its equations checked; options as for Step."""
+        solution = self.Step(**options)
+        solution.u  # recovered and checked now
+        return solution
+
+    def Step(self, cone=None, r=1.0, start=None, max_iterations=100, load=None):
+        """A ContactSolution whose displacement is recovered, and whose residuals are checked, when it is first used.
 
         cone: an object of `cones`; default the problem's.    r: the parameter of the projection (39), relative; the
-        answer does not depend on it.    start: first active set (boolean, one for each nodal sign); default empty.
+        answer does not depend on it.    start: first active set: boolean, one for each nodal sign, or a ContactSolution
+        on any mesh whose cracks have the same arc lengths; default: from coarser sets, see active_set.coarse_start.
         load: a Load; default the problem's.
         """
         problem, load = self.problem, load or self.load
         report = Report((int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings))
         watch = Stopwatch(report.timings)
-        T = (cone or problem.cone).Transformation(problem.W)
-        Q = T.T @ self.S @ T
-        if self.check:
-            check_multiplier(Q)
-        result = solve_active_set(Q, T.T @ (load.g - self.system.G), r, start, max_iterations)
+        T, Q = self._signs(cone or problem.cone)
+        q = T.T @ (load.g - self.system.G)
+        if start is None:
+            start, report.coarse_iterations = self._cold_start(Q, q)
+        elif isinstance(start, ContactSolution):
+            start = active_on(problem.W, start)
+        result = solve_active_set(Q, q, r, start, max_iterations)
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
+        report.converged = True
         watch.Mark("active set")
-        L = T @ result.p
-        U = self.Displacement(L, load)
-        self.Accept(report, load, U, L, result.p, T)
+        multiplier = GridFunction(problem.W, "multiplier")
+        multiplier.vec.FV().NumPy()[:] = L = T @ result.p
+        return ContactSolution(problem, lambda: self._recover(report, load, L, result.p, T), multiplier, report, self.system.gamma)
+
+    def _signs(self, cone):
+        """T with L = T p, and Tᵀ S T; checked once for each cone."""
+        if cone not in self.transformed:
+            T = cone.Transformation(self.problem.W)
+            Q = T.T @ self.S @ T
+            if self.check:
+                check_multiplier(Q)
+            self.transformed[cone] = T, Q
+        return self.transformed[cone]
+
+    def _cold_start(self, Q, q):
+        order = along_cracks(self.problem.W)
+        active = np.empty(len(q), dtype=bool)
+        active[order], iterations = coarse_start(Q[np.ix_(order, order)], q[order])
+        return active, iterations
+
+    def _recover(self, report, load, L, p, T):
+        watch = Stopwatch(report.timings)
+        u, U = GridFunction(self.problem.V, "u"), self.Displacement(L, load)
+        self.Accept(report, load, U, L, p, T)
+        u.vec.FV().NumPy()[:] = U
         watch.Mark("recover")
-        return make_solution(problem, U, L, report, self.system.gamma)
+        return u
 
     def Accept(self, report, load, U, L, p, T, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
@@ -113,12 +145,23 @@ class ReducedProblem:
             raise NotConverged(f"the solution does not satisfy its own equations to {tolerance:g}:\n{report}")
 
 
-def make_solution(problem, U, L, report, gamma):
-    """The GridFunctions of a solution."""
-    u, multiplier = GridFunction(problem.V, "u"), GridFunction(problem.W, "multiplier")
-    u.vec.FV().NumPy()[:] = U
-    multiplier.vec.FV().NumPy()[:] = L
-    return ContactSolution(problem, u, multiplier, report, gamma)
+def along_cracks(W):
+    """The numbers of the nodal signs in the order of their arc lengths, crack by crack."""
+    first, order = 0, []
+    for positions in W.NodalPositions():
+        order.append(first + np.argsort(positions, kind="stable"))
+        first += len(positions)
+    return np.concatenate(order)
+
+
+def active_on(W, solution):
+    """The active set of a solution at the nodes of W: that of the nearest of its own nodes, by arc length."""
+    theirs, ours = solution.problem.W.NodalPositions(), W.NodalPositions()
+    if len(theirs) != len(ours):
+        raise ValueError(f"start: a solution with {len(theirs)} cracks for a problem with {len(ours)}")
+    states = np.split(solution.report.active[-1], np.cumsum([len(s) for s in theirs])[:-1])
+    nearest = [np.abs(np.subtract.outer(np.array(s), np.array(t))).argmin(axis=1) for s, t in zip(ours, theirs)]
+    return np.concatenate([state[n] for state, n in zip(states, nearest)])
 
 
 def complementarity(system, problem, U, L, p, T):
