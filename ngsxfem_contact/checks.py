@@ -9,7 +9,7 @@ from .connectivity import VertexCopies
 from .elimination import Elimination
 from .errors import NotCoercive, SingularSystem
 from .operators import NormalGap, Strain
-from .spaces import to_scipy
+from .spaces import mask, to_scipy
 from .stabilisation import squared_traces
 
 
@@ -28,7 +28,7 @@ def check_data(system, problem):
 
 def check_rigid_motions(problem):
     """Raises SingularSystem if a rigid motion of the body, or of a part that cracks cut off, is not held."""
-    fixed = ~np.array(problem.free, dtype=bool)
+    fixed = ~mask(problem.free)
     copies = VertexCopies(problem.V)
     for part in range(copies.parts):
         motions = copies.RigidMotions(part)
@@ -78,7 +78,7 @@ def Coercivity(problem):
     u, v = V.TnT()
     K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
     K_gamma = to_scipy(BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body) * body.dcrack).Assemble().mat)
-    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), np.array(problem.free, dtype=bool))
+    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
 
 
 def largest_eigenvalue(A, M, M_inverse, free):

@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from . import _ngsxfem_contact as core
 from . import pardiso
-from .spaces import csr_view
+from .spaces import csr_view, mask
 
 PARDISO_PAYS = 200_000  # unknowns; below, its analysis costs what its factorisation saves (docs/measured.md)
 
@@ -99,7 +99,7 @@ class Elimination:
     def __init__(self, matrix, V, free, C=None, inverse=None):
         self.matrix, self.C = matrix, csr_matrix((0, matrix.height)) if C is None else C
         self.jacobi = matrix.CreateSmoother(free)
-        self.fixed = ~np.array(free, dtype=bool)
+        self.fixed = ~mask(free)
         self.border = np.array([dof for tip in range(len(V.body.tips)) for dof in V.TipDofs(tip) if free[dof]], dtype=int)
         inner = BitArray(free)
         for dof in self.border:

@@ -11,6 +11,7 @@ import numpy as np
 from pyngcore import GetNumThreads, SuspendTaskManager
 
 from . import _ngsxfem_contact as core
+from .spaces import mask
 
 SYMMETRIC_INDEFINITE = -2
 ANALYSE, FACTORISE, FORWARD, BACKWARD, RELEASE = 11, 22, 331, 333, -1
@@ -64,7 +65,7 @@ class Pardiso:
     def __init__(self, matrix, inner, K):
         if not is_available():
             raise ImportError('inverse="pardiso" needs MKL: pip install mkl, or pip install "ngsxfem_contact[fast]"')
-        self.inner, self.m = np.array(inner, dtype=bool), K.shape[0]
+        self.inner, self.m = mask(inner), K.shape[0]
         K.sort_indices()
         self.first, self.column, self.value = core.BorderedMatrix(matrix, inner, self.m, K.indptr, K.indices, K.data)
         self.size = len(self.first) - 1

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BilinearForm, GridFunction
+from ngsolve import BilinearForm, CreateVVector, GridFunction, Projector
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigsh
 
@@ -140,6 +140,14 @@ def crack_points(body, crack, arclengths):
     points = body.mesh(np.full(len(elements), body.cracks[crack].points[0][0]), np.full(len(elements), body.cracks[crack].points[0][1]))
     points["nr"], points["x"], points["y"] = elements, xi, eta
     return points
+
+
+def mask(bits):
+    """A BitArray as a boolean array; by iteration it takes a third of a second for a million."""
+    ones, selected = CreateVVector(len(bits)), CreateVVector(len(bits))
+    ones[:] = 1
+    selected.data = Projector(bits, True) * ones
+    return selected.FV().NumPy() != 0
 
 
 def to_scipy(matrix):
