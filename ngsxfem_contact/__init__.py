@@ -7,6 +7,7 @@ from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
 from .interpolation import Interpolant, Projection
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress
+from .load_steps import LoadCase, LoadSteps
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .spaces import CrackFESpace, TipEnrichment, TraceSpace

@@ -6,10 +6,10 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from .connectivity import VertexCopies
-from .elimination import StiffnessInverse, schur_complement
+from .elimination import Elimination
 from .errors import NotCoercive, SingularSystem
 from .operators import NormalGap, Strain
-from .spaces import to_scipy
+from .spaces import mask, to_scipy
 from .stabilisation import squared_traces
 
 
@@ -28,7 +28,7 @@ def check_data(system, problem):
 
 def check_rigid_motions(problem):
     """Raises SingularSystem if a rigid motion of the body, or of a part that cracks cut off, is not held."""
-    fixed = ~np.array(problem.free, dtype=bool)
+    fixed = ~mask(problem.free)
     copies = VertexCopies(problem.V)
     for part in range(copies.parts):
         motions = copies.RigidMotions(part)
@@ -52,10 +52,10 @@ def check_multiplier(Q, tolerance=1e-10):
         )
 
 
-def check_coercive(problem):
+def check_coercive(problem, elimination):
     """Raises NotCoercive for a gamma0 for which K - K_γ is not positive definite (against K)."""
     stabilisation = problem.stabilisation
-    if stabilisation.IsSafe(problem.V, problem.material):
+    if elimination.positive or (elimination.positive is None and stabilisation.IsSafe(problem.V, problem.material)):
         return
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
@@ -78,11 +78,11 @@ def Coercivity(problem):
     u, v = V.TnT()
     K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
     K_gamma = to_scipy(BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body) * body.dcrack).Assemble().mat)
-    return 1 - largest_eigenvalue(K_gamma, K, StiffnessInverse(K, V, problem.free), np.array(problem.free, dtype=bool))
+    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
 
 
 def largest_eigenvalue(A, M, M_inverse, free):
-    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M NGSolve's, its inverse a StiffnessInverse."""
+    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M NGSolve's, its inverse an Elimination."""
     x, y = M.CreateColVector(), M.CreateColVector()
 
     def multiply(array):
@@ -110,5 +110,5 @@ def InfSup(V, W, weight=specialcf.mesh_size):
     B = to_scipy(coupling.Assemble().mat)
     H1 = BilinearForm((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx, symmetric=True).Assemble().mat
     M = to_scipy(BilinearForm(weight * lam * mu * W.dcrack).Assemble().mat).toarray()
-    S = schur_complement(B, StiffnessInverse(H1, V, V.FreeDofs()))
+    S = Elimination(H1, V, V.FreeDofs(), B).S
     return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

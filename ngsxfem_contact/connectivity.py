@@ -1,29 +1,30 @@
 """The connected parts of Ω∖Γ_C as the space V_h sees them, and their rigid motions."""
 
 import numpy as np
-from ngsolve import VOL
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+
+from .spaces import mask
 
 
 class VertexCopies:
     """A vertex whose function is enriched has a copy on each side of the crack; the others have one.
 
     labels: the connected part of each copy.    parts: their number.    index: (vertex, sides) → copy, where sides are
-    the signs with respect to the cracks that enrich the vertex, () for none.
+    the signs with respect to the cracks that enrich the vertex; a vertex that none enriches is its own copy.
     """
 
     def __init__(self, V):
-        self.V = V
+        self.V, self.nv = V, V.mesh.nv
         self.enriched = {}
         for j in range(V.num_heaviside):
             dof, shift = V.Heaviside(j)
-            if dof < V.mesh.nv:
+            if dof < self.nv:
                 self.enriched.setdefault(dof, []).append((j, shift))
-        self.index = {(v, ()): v for v in range(V.mesh.nv)}
-        edges = self._uncut_edges() + self._crack_edges()
-        copies = len(self.index)
-        rows, columns = np.array(edges).T
+        self.index = {}
+        edges = np.concatenate([self._uncut_edges(), np.array(self._crack_edges(), dtype=int).reshape(-1, 2)])
+        copies = self.nv + len(self.index)
+        rows, columns = edges.T
         self.parts, self.labels = connected_components(coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(copies, copies)), directed=False)
         self._forget_unused()
 
@@ -38,21 +39,17 @@ class VertexCopies:
     def _copy(self, vertex, element, forced):
         """The copy on the side of an element, or on a forced one with respect to the crack that divides it."""
         own = tuple(self.V.HeavisideSide(j, element) or forced for j, _ in self.enriched.get(vertex, []))
-        return self.index.setdefault((vertex, own), len(self.index))
-
-    def _touches(self, vertices):
-        return any(v in self.enriched for v in vertices)
+        return self.index.setdefault((vertex, own), self.nv + len(self.index)) if own else vertex
 
     def _uncut_edges(self):
-        self.beside, edges = [], []
-        crack_elements = self.V.body.CrackElements(None)
-        for el in self.V.mesh.Elements(VOL):
-            vertices = [v.nr for v in el.vertices]
-            if crack_elements[el.nr] or self._touches(vertices):
-                self.beside.append((el.nr, vertices))
-            else:
-                edges += [(vertices[0], vertices[1]), (vertices[0], vertices[2])]
-        return edges
+        """Two edges of each element away from the cracks; the others are kept in `beside`."""
+        mesh = self.V.mesh
+        vertices = mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
+        enriched = np.zeros(self.nv, dtype=bool)
+        enriched[list(self.enriched)] = True
+        beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
+        self.beside = [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
+        return np.concatenate([vertices[~beside][:, [0, 1]], vertices[~beside][:, [0, 2]]])
 
     def _crack_edges(self):
         """Each part of an element beside a crack joins the copies of its vertices on its side."""
@@ -69,13 +66,13 @@ class VertexCopies:
 
     def RigidMotions(self, part):
         """Coefficients in V of the two translations and the rotation of one part, zero elsewhere: (ndof, 3)."""
-        points = np.array([vertex.point for vertex in self.V.mesh.vertices])
+        points = self.V.mesh.ngmesh.Coordinates()[: self.nv]
         fields = [(1 + 0 * points[:, 0], 0 * points[:, 0]), (0 * points[:, 0], 1 + 0 * points[:, 0]), (-points[:, 1], points[:, 0])]
         return np.column_stack([self._coefficients(field, part) for field in fields])
 
     def _coefficients(self, field, part):
         vec = np.zeros(self.V.ndof)
-        inside = self.labels[: self.V.mesh.nv] == part
+        inside = self.labels[: self.nv] == part
         scalar = self.V.scalar_space.ndof
         for component in range(2):
             vec[component * scalar + np.flatnonzero(inside)] = field[component][inside]
@@ -91,5 +88,5 @@ class VertexCopies:
         return vec
 
     def _is_in(self, vertex, sides, part):
-        copy = self.index.get((vertex, sides))
+        copy = self.index.get((vertex, sides)) if sides else vertex
         return float(copy is not None and self.labels[copy] == part)

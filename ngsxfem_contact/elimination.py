@@ -1,68 +1,162 @@
 """Elimination of the displacements: what is left are the crack's own unknowns."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from ngsolve import BitArray
+from scipy.sparse import csr_matrix, vstack
+
+from . import _ngsxfem_contact as core
+from . import pardiso
+from .spaces import csr_view, mask
+
+PARDISO_PAYS = 200_000  # unknowns; below, its analysis costs what its factorisation saves (docs/measured.md)
 
 
-class StiffnessInverse:
-    """The inverse of a symmetric positive definite matrix on a CrackFESpace, on the free unknowns.
+class BackSubstitution:
+    """K A⁻¹ Kᵀ by one solve for each row of K, with any direct solver of NGSolve."""
 
-    The rows of tip functions are as long as their disk is large and would ruin the ordering of a sparse factorisation:
-    they stay outside of it, as a border, eliminated by block elimination.
-    """
-
-    def __init__(self, matrix, V, free, inverse="sparsecholesky"):
-        self.matrix = matrix
-        self.x, self.r = matrix.CreateColVector(), matrix.CreateColVector()
-        self.border = np.array([dof for tip in range(len(V.body.tips)) for dof in V.TipDofs(tip) if free[dof]], dtype=int)
-        inner = BitArray(free)
-        for dof in self.border:
-            inner.Clear(int(dof))
+    def __init__(self, matrix, inner, K, inverse):
+        self.name, self.K = inverse, K
         self.factors = matrix.Inverse(inner, inverse=inverse)
-        self.fixed = ~np.array(free, dtype=bool)
-        self._eliminate_border()
+        self.x, self.r = matrix.CreateColVector(), matrix.CreateColVector()
+        self.schur = self.Schur()
+        self.positive = None
 
-    def _eliminate_border(self):
-        shape = (len(self.border), len(self.r))
-        self.columns = np.array([self._multiply(self._unit(dof)) for dof in self.border]).reshape(shape)
-        self.inner_solutions = np.array([self._solve_inner(column) for column in self.columns]).reshape(shape)
-        self.border_matrix = self.columns[:, self.border] - self.columns @ self.inner_solutions.T
+    def Schur(self):
+        """K A⁻¹ Kᵀ, dense."""
+        rows = self.K.tocsr()
+        columns = np.array([self.Couple(row.toarray().ravel()) for row in rows])
+        S = columns.reshape((rows.shape[0],) * 2)
+        return 0.5 * (S + S.T)
 
-    def _unit(self, dof):
-        unit = np.zeros(len(self.r))
-        unit[dof] = 1
-        return unit
-
-    def _multiply(self, array):
-        self.r.FV().NumPy()[:] = array
-        self.x.data = self.matrix * self.r
-        return self.x.FV().NumPy().copy()
-
-    def _solve_inner(self, rhs):
+    def Solve(self, rhs):
+        """A⁻¹ rhs; zero where an unknown is not in the factorisation."""
         self.r.FV().NumPy()[:] = rhs
         self.x.data = self.factors * self.r
         return self.x.FV().NumPy().copy()
 
-    def Solve(self, rhs):
-        """The solution for a right-hand side, arrays of length ndof; zero on fixed unknowns."""
-        x = self._solve_inner(rhs)
-        if len(self.border):
-            at_border = np.linalg.solve(self.border_matrix, rhs[self.border] - self.columns @ x)
-            x -= at_border @ self.inner_solutions
-            x[self.border] = at_border
+    def Couple(self, rhs):
+        """K A⁻¹ rhs."""
+        return self.K @ self.Solve(rhs)
+
+
+class PartialFactorisation(BackSubstitution):
+    """K A⁻¹ Kᵀ from NGSolve's sparse Cholesky factors: one sweep through the blocks that K reaches, all rows at once."""
+
+    def __init__(self, matrix, inner, K):
+        super().__init__(matrix, inner, K, "sparsecholesky")
+        self.positive = core.NumNegativePivots(self.factors) == 0
+
+    def Schur(self):
+        """K A⁻¹ Kᵀ, dense."""
+        return core.SchurComplement(self.factors, self.K.shape[0], self.K.indptr, self.K.indices, self.K.data)
+
+
+def factorise(matrix, inner, K, inverse):
+    """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy that goes with a direct solver of NGSolve."""
+    inverse = inverse or default_inverse(matrix.height)
+    strategies = {"sparsecholesky": PartialFactorisation, "pardiso": pardiso.Pardiso}
+    if inverse in strategies:
+        return strategies[inverse](matrix, inner, K)
+    return BackSubstitution(matrix, inner, K, inverse)
+
+
+def default_inverse(size):
+    """MKL's Pardiso where it is installed and worth it."""
+    return "pardiso" if size > PARDISO_PAYS and pardiso.is_available() else "sparsecholesky"
+
+
+@dataclass
+class ReducedLoad:
+    """A right-hand side F with A⁻¹F as the crack feels it.  border: what is left of F at the tips' unknowns.  crack: C A⁻¹F.
+
+    Linear in F: `load.Combine(factors, loads)`.
+    """
+
+    rhs: np.ndarray
+    border: np.ndarray
+    crack: np.ndarray
+
+    def __add__(self, other):
+        return ReducedLoad(self.rhs + other.rhs, self.border + other.border, self.crack + other.crack)
+
+    def __rmul__(self, factor):
+        return ReducedLoad(factor * self.rhs, factor * self.border, factor * self.crack)
+
+
+class Elimination:
+    """A symmetric positive definite matrix A on a CrackFESpace, factorised, and S = C A⁻¹ Cᵀ for a sparse C (m, ndof).
+
+    The rows of tip functions are as long as their disk is large and would ruin the ordering of a sparse factorisation:
+    they stay outside of it, as a border, eliminated by block elimination.
+
+    inverse: name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by
+        one solve for each row of C.
+    S: dense (m, m).    positive: whether A is positive definite; None if the direct solver does not tell.
+    """
+
+    def __init__(self, matrix, V, free, C=None, inverse=None):
+        self.matrix, self.C = matrix, csr_matrix((0, matrix.height)) if C is None else C
+        self.jacobi = matrix.CreateSmoother(free)
+        self.fixed = ~mask(free)
+        self.border = np.array([dof for tip in range(len(V.body.tips)) for dof in V.TipDofs(tip) if free[dof]], dtype=int)
+        inner = BitArray(free)
+        for dof in self.border:
+            inner.Clear(int(dof))
+        self.border_rows = csr_view(matrix)[self.border]
+        K = vstack([self.border_rows, self.C]).tocsc()
+        self.factors = factorise(matrix, inner, K, inverse)
+        self.name = self.factors.name
+        self._eliminate_border(self.factors.schur)
+
+    def _eliminate_border(self, schur):
+        t = len(self.border)
+        self.border_matrix = self.border_rows[:, self.border].toarray() - schur[:t, :t]
+        self.coupling = self.C[:, self.border].toarray() - schur[t:, :t]
+        self.S = schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T)
+        self.positive = self.factors.positive and bool(np.all(np.linalg.eigvalsh(self.border_matrix) > 0))
+
+    def _at_border(self, forces):
+        return np.linalg.solve(self.border_matrix, forces)
+
+    def Reduce(self, rhs):
+        """The ReducedLoad of a right-hand side of length ndof."""
+        t = len(self.border)
+        coupled = self.factors.Couple(rhs)
+        border = rhs[self.border] - coupled[:t]
+        return ReducedLoad(rhs, border, coupled[t:] + self.coupling @ self._at_border(border))
+
+    def Recover(self, load, L=None):
+        """A⁻¹(F + CᵀL) of a ReducedLoad; zero on fixed unknowns."""
+        rhs, border = load.rhs, load.border
+        if L is not None:
+            rhs, border = rhs + self.C.T @ L, border + self.coupling.T @ L
+        at_border = self._at_border(border)
+        x = self.factors.Solve(rhs - self.border_rows.T @ at_border)
+        x[self.border] = at_border
         return x
+
+    def Solve(self, rhs):
+        """A⁻¹ rhs; zero on fixed unknowns."""
+        return self.Recover(self.Reduce(rhs))
 
     def SolveRefined(self, rhs):
         """The same with one step of iterative refinement."""
         x = self.Solve(rhs)
-        residual = np.where(self.fixed, 0, rhs - self._multiply(x))
-        return x + self.Solve(residual)
+        return x + self.Solve(self.Residual(rhs, x))
 
+    def ForceScale(self, x):
+        """max |A_ii x_i| over the free unknowns, the size of the terms that cancel in A x."""
+        r, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
+        r.FV().NumPy()[:] = 1
+        y.data = self.jacobi * r
+        inverse_diagonal = y.FV().NumPy()
+        return np.abs(x[~self.fixed] / inverse_diagonal[~self.fixed]).max()
 
-def schur_complement(E, inverse):
-    """E A⁻¹ Eᵀ, dense (m, m), for a scipy matrix E (m, n); one solve for each row, nothing of size m × n is kept dense."""
-    columns = E.T.tocsc()
-    S = np.empty((E.shape[0],) * 2)
-    for j in range(E.shape[0]):
-        S[:, j] = E @ inverse.Solve(columns[:, [j]].toarray().ravel())
-    return 0.5 * (S + S.T)
+    def Residual(self, rhs, x):
+        """rhs - A x on the free unknowns, zero on the others."""
+        r, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
+        r.FV().NumPy()[:] = x
+        y.data = self.matrix * r
+        return np.where(self.fixed, 0, rhs - y.FV().NumPy())

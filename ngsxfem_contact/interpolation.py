@@ -3,7 +3,7 @@
 import numpy as np
 from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, CoefficientFunction, GridFunction, LinearForm, NodeId, VectorH1
 
-from .elimination import StiffnessInverse
+from .elimination import Elimination
 
 
 def Interpolant(V, plus, minus=None, tips=()):
@@ -71,5 +71,5 @@ def Projection(V, function, bonus_intorder=4):
     result = GridFunction(V)
     everything = BitArray(V.ndof)
     everything.Set()
-    result.vec.FV().NumPy()[:] = StiffnessInverse(mass, V, everything).SolveRefined(load.FV().NumPy())
+    result.vec.FV().NumPy()[:] = Elimination(mass, V, everything).SolveRefined(load.FV().NumPy())
     return result

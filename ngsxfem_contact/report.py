@@ -6,13 +6,21 @@ from time import perf_counter
 
 @dataclass
 class Report:
-    """What a solve did. residual: of both rows of (38), relative; complementarity: relative violation of the signs."""
+    """What a solve did.
+
+    inverse: the direct solver.    active: the active set of each iteration, the first is where it started.
+    coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of least-index pivoting.
+    residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
+    when u is recovered and NaN before (LoadSteps).    timings: seconds.
+    """
 
     unknowns: tuple
+    inverse: str = ""
     timings: dict = field(default_factory=dict)
     converged: bool = False
     iterations: int = 0
     active: list = field(default_factory=list)
+    coarse_iterations: int = 0
     fallback: int = 0
     residual: float = float("nan")
     complementarity: float = float("nan")
@@ -23,7 +31,8 @@ class Report:
         return "\n".join(
             [
                 f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
-                f"converged        {self.converged} after {self.iterations} active-set iterations",
+                f"direct solver    {self.inverse}",
+                f"converged        {self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
                 f"in contact       {sizes}" + (f"  (+ {self.fallback} least-index steps)" if self.fallback else ""),
                 f"residual         {self.residual:.1e}",
                 f"complementarity  {self.complementarity:.1e}",

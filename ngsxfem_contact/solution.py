@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import InnerProduct, Integrate
+from ngsolve import GridFunction, InnerProduct, Integrate
 
 from . import _ngsxfem_contact as core
 from .operators import NormalGap, Slip, Strain, TangentialStress
@@ -35,10 +35,20 @@ class StressIntensityFactors:
 
 
 class ContactSolution:
-    """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None."""
+    """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None.
+
+    u may be a function without arguments that computes it: it is called when u is first used.
+    """
 
     def __init__(self, problem, u, multiplier, report, gamma):
-        self.problem, self.u, self.multiplier, self.report, self.gamma = problem, u, multiplier, report, gamma
+        self.problem, self._u, self.multiplier, self.report, self.gamma = problem, u, multiplier, report, gamma
+
+    @property
+    def u(self):
+        """The displacement."""
+        if not isinstance(self._u, GridFunction):
+            self._u = self._u()
+        return self._u
 
     @property
     def body(self):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BilinearForm, GridFunction
+from ngsolve import BilinearForm, CreateVVector, GridFunction, Projector
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigsh
 
@@ -142,10 +142,24 @@ def crack_points(body, crack, arclengths):
     return points
 
 
+def mask(bits):
+    """A BitArray as a boolean array; by iteration it takes a third of a second for a million."""
+    ones, selected = CreateVVector(len(bits)), CreateVVector(len(bits))
+    ones[:] = 1
+    selected.data = Projector(bits, True) * ones
+    return selected.FV().NumPy() != 0
+
+
 def to_scipy(matrix):
     """A matrix of NGSolve as a scipy matrix in CSR format."""
     values, columns, rows = matrix.CSR()
     return csr_matrix((np.array(values), np.array(columns), np.array(rows)), shape=(matrix.height, matrix.width))
+
+
+def csr_view(matrix):
+    """The same without a copy: valid as long as the matrix is."""
+    values, columns, rows = (np.asarray(part) for part in matrix.CSR())
+    return csr_matrix((values, columns, rows), shape=(matrix.height, matrix.width), copy=False)
 
 
 def mass_matrix(W):

@@ -9,6 +9,7 @@
 void ExportGeometry (py::module & m);
 void ExportSpaces (py::module & m);
 void ExportMeasures (py::module & m);
+void ExportSolver (py::module & m);
 
 PYBIND11_MODULE(_ngsxfem_contact, m)
 {
@@ -16,4 +17,5 @@ PYBIND11_MODULE(_ngsxfem_contact, m)
   ExportGeometry(m);
   ExportMeasures(m);
   ExportSpaces(m);
+  ExportSolver(m);
 }

@@ -231,7 +231,7 @@ def test_energy_and_contact_force(pair):
 def test_report_of_a_solve(pair):
     report = coarse(pair=pair).Solve().report
     assert report.converged and report.complementarity <= 1e-10 and report.residual <= 1e-10
-    assert report.iterations == len(report.active) and not report.active[0].any()
+    assert report.iterations == len(report.active) <= 3 and 0 < report.coarse_iterations <= 8
     assert np.array_equal(report.active[-1], report.active[-2])
 
 
@@ -256,7 +256,8 @@ def test_answer_does_not_depend_on_the_first_set():
 
 def test_too_few_iterations_raise():
     with pytest.raises(NotConverged, match="still changed after 1 iterations"):
-        coarse().Solve(max_iterations=1)
+        problem = coarse()
+        problem.Solve(max_iterations=1, start=np.zeros(problem.W.ndof, dtype=bool))
 
 
 def random_problem(rng, m):

@@ -1,0 +1,56 @@
+"""Many loads on one problem: everything sparse is done once, each step runs on the crack's own unknowns."""
+
+import numpy as np
+
+from .solver import ReducedProblem
+
+
+class LoadCase:
+    """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case."""
+
+    def __init__(self, problem):
+        self.F = problem.f.Assemble().vec.FV().NumPy().copy()
+        self.given = problem.given.vec.FV().NumPy().copy()
+        if not np.isfinite(np.append(self.F, self.given)).all():
+            raise ValueError("LoadCase: a load or a given displacement is not finite (NaN or inf)")
+
+
+class LoadSteps:
+    """Solves (38) for F(t) = Σ t_i F_i, with the displacements Σ t_i U_D,i given where the problem is held.
+
+    cases: LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap stays.
+    inverse: as for ContactProblem.Solve.
+
+        steps = LoadSteps(problem)
+        solutions = [steps.Solve(t) for t in np.linspace(0, 1, 21)]
+
+        problem.SetDirichlet((0, -1e-3), "top");  press = LoadCase(problem)
+        problem.SetDirichlet((0, 0), "top");  problem.f += shear * v * body.ds("left");  push = LoadCase(problem)
+        steps = LoadSteps(problem, [press, push]);  solution = steps.Solve(1, 0.3)
+
+    Stiffness matrix, multipliers, held parts and the gap are those of the problem when LoadSteps is built. One
+    factorisation, one back-substitution for each case, then dense algebra of the size of the multiplier for each step;
+    the displacement of a step costs a back-substitution when it is first used, and is checked then.
+    """
+
+    def __init__(self, problem, cases=None, inverse=None):
+        self.reduced = ReducedProblem(problem, inverse)
+        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given) for case in cases]
+        if not self.loads:
+            raise ValueError("LoadSteps: there is no load case")
+        self.last = None
+
+    def Solve(self, *t, start=None, **options):
+        """The ContactSolution for the factors t, one for each case.
+
+        start: as for ContactProblem.Solve; default the active set of the step before.    options: cone, r, max_iterations.
+        Raises NotConverged, for the displacement's own residual when `solution.u` is first used.
+        """
+        if len(t) != len(self.loads):
+            raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.loads)} load case(s)")
+        load = t[0] * self.loads[0]
+        for factor, case in zip(t[1:], self.loads[1:]):
+            load = load + factor * case
+        solution = self.reduced.Step(start=self.last if start is None else start, load=load, **options)
+        self.last = solution.report.active[-1]
+        return solution
