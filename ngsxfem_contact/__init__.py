@@ -5,7 +5,9 @@ from ._ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind, Side, Va
 from .checks import Coercivity, InfSup
 from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
+from .friction import Coulomb, Tresca
 from .interpolation import Interpolant, Projection
+from .nodal_newton import FixedPoint, FullNewton
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress
 from .load_steps import LoadCase, LoadSteps
 from .problem import ContactProblem

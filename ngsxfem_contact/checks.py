@@ -22,7 +22,8 @@ def check_data(system, problem):
     ):
         if not np.isfinite(values).all():
             raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
-    if (system.G < -1e-12 * np.abs(system.G).max()).any():
+    gap = system.G[: problem.W.ndof]
+    if (gap < -1e-12 * np.abs(gap).max()).any():
         raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first")
 
 
@@ -55,7 +56,7 @@ def check_multiplier(Q, tolerance=1e-10):
 def check_coercive(problem, elimination):
     """Raises NotCoercive for a gamma0 for which K - K_γ is not positive definite (against K)."""
     stabilisation = problem.stabilisation
-    if elimination.positive or (elimination.positive is None and stabilisation.IsSafe(problem.V, problem.material)):
+    if elimination.positive or (elimination.positive is None and stabilisation.IsSafe(problem.V, problem.material, problem.friction.components)):
         return
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
@@ -71,13 +72,13 @@ def Coercivity(problem):
     Raises SingularSystem if rigid motions are left free.
     """
     check_rigid_motions(problem)
-    gamma = problem.stabilisation.Gamma(problem.V, problem.material)
+    gamma = problem.Gamma()
     if gamma is None:
         return 1.0
     V, material, body = problem.V, problem.material, problem.body
     u, v = V.TnT()
     K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
-    K_gamma = to_scipy(BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body) * body.dcrack).Assemble().mat)
+    K_gamma = to_scipy(BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body, problem.friction.components) * body.dcrack).Assemble().mat)
     return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
 
 

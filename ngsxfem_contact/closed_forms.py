@@ -1,4 +1,4 @@
-"""Closed-form solutions with a crack on y = 0, plane strain, no body force: (a) to (d) of docs/method.md, section 7.
+"""Closed-form solutions with a crack on y = 0, plane strain, no body force: (a) to (e) of docs/method.md, section 7.
 
 They hold in the whole plane, so that any polygon may be the body: rotate and shift the body, not the formulas.
 """
@@ -8,19 +8,22 @@ from math import pi
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, CoefficientFunction, Id, IfPos, InnerProduct, Integrate, Mesh, Trace, sqrt, x, y
+from ngsolve import CF, CoefficientFunction, Id, IfPos, InnerProduct, Integrate, Mesh, Trace, cos, exp, sin, sqrt, x, y
 
 from ._ngsxfem_contact import Crack
+from .operators import Slip
 
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """Exact fields as CoefficientFunctions of x and y: u (2), stress (2, 2), pressure = σ_n ≤ 0 on the crack, gap."""
+    """Exact fields as CoefficientFunctions of x and y: u (2), stress (2, 2), and on the crack pressure = σ_n ≤ 0, gap, shear = σ_t, slip."""
 
     u: CoefficientFunction
     stress: CoefficientFunction
     pressure: CoefficientFunction
     gap: CoefficientFunction
+    shear: CoefficientFunction = CF(0)
+    slip: CoefficientFunction | None = None
 
 
 def half_angle(X, Y, r):
@@ -36,6 +39,21 @@ def uniform_compression(material, p=1, sigma_xx=0.3):
     stress = np.diag([sigma_xx, -p])
     strain = (stress - material.lam / (2 * (material.lam + material.mu)) * np.trace(stress) * np.eye(2)) / (2 * material.mu)
     return ClosedForm(CF((strain[0, 0] * x, strain[1, 1] * y)), _matrix(CF(sigma_xx), CF(0), CF(-p)), CF(-p), CF(0))
+
+
+def uniform_stress(material, sigma_xx, sigma_xy, sigma_yy):
+    """A sticking, closed crack under constant stress, σ_yy ≤ 0: the body without a crack."""
+    closed = uniform_compression(material, -sigma_yy, sigma_xx)
+    u = closed.u + 0.5 * sigma_xy / material.mu * CF((y, x))
+    return ClosedForm(u, _matrix(CF(sigma_xx), CF(sigma_xy), CF(sigma_yy)), CF(sigma_yy), CF(0), CF(sigma_xy), CF(0))
+
+
+def sticking_crack(material, a=1.5, p=10):
+    """The uncracked body under Airy's function cos(ax) exp(-ay) and σ_yy = -p: smooth, sheared, closed where p is large."""
+    wave = exp(-a * y)
+    u, uniform = CF((a * sin(a * x), a * cos(a * x))) * wave / (2 * material.mu), uniform_stress(material, 0, 0, -p)
+    xx, xy = a * a * cos(a * x) * wave, -a * a * sin(a * x) * wave
+    return ClosedForm(u + uniform.u, _matrix(xx, xy, -xx) + uniform.stress, -xx - p, CF(0), xy, CF(0))
 
 
 def open_tip(material, K=1, tip=0):
@@ -57,7 +75,14 @@ def slipping_tip(material, K=1, p=1, tip=0):
     s3, c3 = s * (3 - 4 * s * s), c * (4 * c * c - 3)
     stress = _matrix(-s * (2 + c * c3), c * (1 - s * s3), s * c * c3)
     closed = uniform_compression(material, p, 0)
-    return ClosedForm(u + closed.u, K / sqrt(2 * pi * r) * stress + closed.stress, CF(-p), CF(0))
+    slip = scale * 2 * (kappa + 1) * sqrt(IfPos(-X, -X, 0))
+    return ClosedForm(u + closed.u, K / sqrt(2 * pi * r) * stress + closed.stress, CF(-p), CF(0), CF(0), slip)
+
+
+def sliding_tip(material, mu_f, K=1, p=1, tip=0):
+    """(e): (c) with K ≥ 0 and Coulomb friction, σ_xy = mu_f p: the closed crack slides on its whole length."""
+    slipping, shear = slipping_tip(material, K, 0, tip), uniform_stress(material, 0, mu_f * p, -p)
+    return ClosedForm(slipping.u + shear.u, slipping.stress + shear.stress, CF(-p), CF(0), CF(mu_f * p), slipping.slip)
 
 
 def contact_transition(material, c=1, x0=0):
@@ -132,5 +157,19 @@ def energy_error(solution, exact, bonus_intorder=6):
 
 def pressure_error(solution, exact, bonus_intorder=10):
     """‖σ_n - λ_h‖ in L²(Γ_C)."""
-    difference = solution.multiplier - exact.pressure
+    return error_on_crack(solution, solution.multiplier - exact.pressure, bonus_intorder)
+
+
+def shear_error(solution, exact, bonus_intorder=10):
+    """‖σ_t - λ_t‖ in L²(Γ_C)."""
+    return error_on_crack(solution, solution.tangential_multiplier - exact.shear, bonus_intorder)
+
+
+def slip_error(solution, exact, bonus_intorder=10):
+    """‖g_t(u) - g_t(u_h)‖ in L²(Γ_C)."""
+    return error_on_crack(solution, Slip(solution.u, solution.body) - exact.slip, bonus_intorder)
+
+
+def error_on_crack(solution, difference, bonus_intorder):
+    """‖difference‖ in L²(Γ_C)."""
     return np.sqrt(Integrate(difference * difference * solution.problem.W.dcrack(bonus_intorder=bonus_intorder), solution.body.mesh))

@@ -20,6 +20,10 @@ class Nonpositive:
         values = W.NodalValues()
         return np.eye(W.ndof) if values is None else np.linalg.inv(values)
 
+    def Values(self, W, nodal):
+        """The p of a function with the given nodal values."""
+        return nodal
+
 
 @dataclass(frozen=True)
 class Weak:
@@ -32,6 +36,12 @@ class Weak:
         if values is not None:
             mass = np.linalg.solve(values.T, mass)
         return np.linalg.inv(mass)
+
+    def Values(self, W, nodal):
+        """The p of a function with the given nodal values: its moments ∫ f ψ_i."""
+        values = W.NodalValues()
+        coefficients = nodal if values is None else np.linalg.solve(values, nodal)
+        return np.linalg.solve(self.Transformation(W), coefficients)
 
 
 CONES = {"nonpositive": Nonpositive(), "weak": Weak()}

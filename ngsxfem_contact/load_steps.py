@@ -31,6 +31,7 @@ class LoadSteps:
     Stiffness matrix, multipliers, held parts and the gap are those of the problem when LoadSteps is built. One
     factorisation, one back-substitution for each case, then dense algebra of the size of the multiplier for each step;
     the displacement of a step costs a back-substitution when it is first used, and is checked then.
+    With friction slip is measured from the step before (`previous=None` starts afresh), so the order of steps matters.
     """
 
     def __init__(self, problem, cases=None, inverse=None):
@@ -51,6 +52,7 @@ class LoadSteps:
         load = t[0] * self.loads[0]
         for factor, case in zip(t[1:], self.loads[1:]):
             load = load + factor * case
-        solution = self.reduced.Step(start=self.last if start is None else start, load=load, **options)
-        self.last = solution.report.active[-1]
-        return solution
+        if self.last is not None and self.reduced.problem.friction.depends_on_path:
+            options = {"previous": self.last} | options
+        self.last = self.reduced.Step(start=self.last if start is None else start, load=load, **options)
+        return self.last

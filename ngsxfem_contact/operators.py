@@ -5,6 +5,9 @@ jump(v) = v⁺ - v⁻; the gap g_n = jump(u)·n is ≥ 0 where the crack is open
 σ_n = n·σn ≤ 0 is compression. [AHLMR12] writes ⟦u_n⟧ = u⁺·n⁺ + u⁻·n⁻, which is -g_n.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 from ngsolve import Grad, InnerProduct, Sym
 
 SIDES = ("plus", "minus", "larger")
@@ -57,3 +60,15 @@ def NormalStress(stress, body):
 def TangentialStress(stress, body):
     """σ_t = t·σn."""
     return InnerProduct(stress * body.normal, body.tangent)
+
+
+@dataclass(frozen=True)
+class Component:
+    """One direction on the crack: jump(u, body) of the displacement and traction(stress, body), its work conjugate."""
+
+    jump: Callable
+    traction: Callable
+
+
+NORMAL = Component(NormalGap, NormalStress)
+TANGENTIAL = Component(Slip, TangentialStress)

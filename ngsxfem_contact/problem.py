@@ -2,13 +2,14 @@
 
 import numpy as np
 from ngsolve import VERTEX, BilinearForm, BitArray, CoefficientFunction, GridFunction, InnerProduct, LinearForm, NodeId, Parameter
-from scipy.sparse import csr_matrix
+from scipy.sparse import block_diag, csr_matrix, vstack
 from scipy.sparse.linalg import splu
 
 from . import _ngsxfem_contact as core
 from .cones import CONES
 from .elasticity import Elasticity
-from .operators import NormalGap, Strain
+from .friction import Friction, Frictionless
+from .operators import Strain
 from .solver import solve
 from .spaces import check_regions, to_scipy
 from .stabilisation import BarbosaHughes, Unstabilised, squared_traces, summed_traces
@@ -24,18 +25,19 @@ def check_modes(V, material):
 
 
 class ContactProblem:
-    """An elastic body with cracks in frictionless unilateral contact: find u and λ ≤ 0 of (12).
+    """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
 
     V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity.
     stabilisation: BarbosaHughes(...) (default: chooses γ itself), or None.
     cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
+    friction: None (default), Tresca(s) or Coulomb(mu_f).
 
     Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test
     function of V. Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
     """
 
-    def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0):
+    def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None):
         if V.body is not W.body:
             raise ValueError("ContactProblem: V and W belong to different CrackedMesh objects; build both on one body")
         if cone not in CONES:
@@ -46,10 +48,13 @@ class ContactProblem:
             raise TypeError(f"ContactProblem: material={material!r} is not an Elasticity")
         if stabilisation is not None and not hasattr(stabilisation, "Gamma"):
             raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
+        if friction is not None and not isinstance(friction, Friction):
+            raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
         check_modes(V, material)
         self.V, self.W, self.material = V, W, material
         self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
+        self.friction = friction if friction is not None else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self.f = LinearForm(V)
         self.given = GridFunction(V)
@@ -115,13 +120,22 @@ class ContactProblem:
             raise ValueError(f"SetDirichlet: a vertex of {region!r} was pinned to another value; remove the Pin, or give both the same value")
         given[dofs] = values
 
+    def Gamma(self):
+        """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
+        return self.stabilisation.Gamma(self.V, self.material, self.friction.components)
+
+    def Loads(self):
+        """F of (38), an array."""
+        return self.f.Assemble().vec.FV().NumPy().copy()
+
     def Assemble(self):
         """The matrices of (38): a ContactSystem."""
         return ContactSystem(self)
 
     def Solve(self, **options):
-        """Solves and returns a ContactSolution; options: inverse, cone, r, start, max_iterations, see `solver.solve`.
+        """Solves and returns a ContactSolution; options: inverse, previous, cone, r, start, max_iterations, see `solver.solve`.
 
+        previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         Raises SingularSystem (rigid motions left free, or multipliers that no displacement feels), NotCoercive
         (gamma0 too large), NotConverged.
         """
@@ -134,32 +148,41 @@ class ContactSystem:
     gamma: γ or None.    weights: ∫ψ_i, the length of Γ_C that belongs to each multiplier.
 
     Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
+    With friction the multiplier is L = (L_n, L_t), the rows of B are -∫ψ_i g_n and -∫ψ_i g_t, those of C_γ ∫γψ_i R_n and
+    ∫γψ_i R_t, R_t = σ_t of the larger part, and K_γ = ∫γ (R_n R_n + R_t R_t).
     """
 
     def __init__(self, problem):
         V, W, body, material = problem.V, problem.W, problem.body, problem.material
-        self.gamma = problem.stabilisation.Gamma(V, material)
+        components = problem.friction.components
+        self.gamma = problem.Gamma()
         u, v = V.TnT()
         lam, mu = W.TnT()
         dcrack = W.dcrack
 
         stiffness = core.CrackBilinearForm(V, symmetric=True)
         stiffness += InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx
-        coupling = BilinearForm(trialspace=V, testspace=W)
-        coupling += -mu * NormalGap(u, body) * dcrack
-        self.D = None
         if self.gamma is not None:
-            stiffness += -self.gamma * squared_traces(problem.stabilisation, u, v, material, body) * dcrack
-            coupling += -self.gamma * mu * summed_traces(problem.stabilisation, u, material, body) * dcrack
-            self.D = to_scipy(BilinearForm(self.gamma * lam * mu * dcrack).Assemble().mat)
+            stiffness += -self.gamma * squared_traces(problem.stabilisation, u, v, material, body, components) * dcrack
         self.stiffness = stiffness.Assemble().mat
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
-        self.E = to_scipy(coupling.Assemble().mat)
-        if self.D is None:
-            self.D = csr_matrix((W.ndof, W.ndof))
-        self.F = problem.f.Assemble().vec.FV().NumPy().copy()
-        self.G = LinearForm(problem.gap * mu * dcrack).Assemble().vec.FV().NumPy().copy()
-        self.weights = LinearForm(mu * dcrack).Assemble().vec.FV().NumPy().copy()
+        self.E = vstack([self._coupling(problem, component) for component in components], format="csr")
+        mass = csr_matrix((W.ndof, W.ndof)) if self.gamma is None else to_scipy(BilinearForm(self.gamma * lam * mu * dcrack).Assemble().mat)
+        self.D = block_diag([mass] * len(components), format="csr")
+        self.weights = np.tile(LinearForm(mu * dcrack).Assemble().vec.FV().NumPy(), len(components))
+        self.F = problem.Loads()
+        self.G = np.zeros(self.E.shape[0])
+        self.G[: W.ndof] = LinearForm(problem.gap * mu * dcrack).Assemble().vec.FV().NumPy()
+
+    def _coupling(self, problem, component):
+        """The rows of B - C_γ of one component."""
+        V, W, body = problem.V, problem.W, problem.body
+        u, mu = V.TrialFunction(), W.TestFunction()
+        coupling = BilinearForm(trialspace=V, testspace=W)
+        coupling += -mu * component.jump(u, body) * W.dcrack
+        if self.gamma is not None:
+            coupling += -self.gamma * mu * summed_traces(problem.stabilisation, u, problem.material, body, component) * W.dcrack
+        return to_scipy(coupling.Assemble().mat)
 
     def Stiffness(self, U):
         """(K - K_γ) U for an array U."""
@@ -167,6 +190,10 @@ class ContactSystem:
         self._y.data = self.stiffness * self._x
         return self._y.FV().NumPy().copy()
 
+    def Moments(self, U, L):
+        """(B - C_γ) U + D_γ L of the second row of (38)."""
+        return self.E @ U + self.D @ L
+
     def Residual(self, U, L):
         """The second row of (38): (B - C_γ) U + D_γ L - G."""
-        return self.E @ U + self.D @ L - self.G
+        return self.Moments(U, L) - self.G

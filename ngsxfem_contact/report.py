@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 from time import perf_counter
 
+from .nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
+
 
 @dataclass
 class Report:
@@ -12,6 +14,10 @@ class Report:
     coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of least-index pivoting.
     residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
     when u is recovered and NaN before (LoadSteps).    timings: seconds.
+
+    With friction, tangential: states of the nodes in each iteration, codes of `nodal_newton`; method: in words;
+    threshold_changes: relative, of each step of a fixed point on the threshold; uniqueness: below 1 it proves that the law has
+    one solution (0: convex problem, None: not known).
     """
 
     unknowns: tuple
@@ -24,6 +30,28 @@ class Report:
     fallback: int = 0
     residual: float = float("nan")
     complementarity: float = float("nan")
+    tangential: list = field(default_factory=list)
+    method: str = "active set"
+    threshold_changes: list = field(default_factory=list)
+    uniqueness: float | None = None
+
+    def Counts(self):
+        """Nodes in contact and, with friction, nodes that stick and slip either way, at the end."""
+        counts = {"contact": int(self.active[-1].sum())}
+        if self.tangential:
+            counts |= {name: int((self.tangential[-1] == code).sum()) for name, code in (("stick", STICK), ("slip+", SLIP_PLUS), ("slip-", SLIP_MINUS))}
+        return counts
+
+    def _friction_lines(self):
+        if not self.tangential:
+            return []
+        lines = ["states           " + ", ".join(f"{number} {name}" for name, number in self.Counts().items()), f"method           {self.method}"]
+        if len(self.threshold_changes) > 1:
+            changes = self.threshold_changes
+            lines.append(f"threshold        last changes {' '.join(f'{change:.1e}' for change in changes[-3:])}, factor {contraction(changes):.2g}")
+        if self.uniqueness is None:
+            return [*lines, "uniqueness       not known"]
+        return [*lines, f"uniqueness       {'proved' if self.uniqueness < 1 else 'not proved'} (number {self.uniqueness:.2g}, below 1 is sufficient)"]
 
     def __str__(self):
         sizes = " ".join(str(int(a.sum())) for a in self.active)
@@ -33,12 +61,19 @@ class Report:
                 f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
                 f"direct solver    {self.inverse}",
                 f"converged        {self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
-                f"in contact       {sizes}" + (f"  (+ {self.fallback} least-index steps)" if self.fallback else ""),
+                f"in contact       {sizes}" + (f"  (+ {self.fallback} safeguarded steps)" if self.fallback else ""),
+                *self._friction_lines(),
                 f"residual         {self.residual:.1e}",
                 f"complementarity  {self.complementarity:.1e}",
                 f"seconds          {times}",
             ]
         )
+
+
+def contraction(changes):
+    """The mean factor from one change to the next over the last three that are above round-off."""
+    above = [change for change in changes if change > 1e-13][-4:]
+    return (above[-1] / above[0]) ** (1 / (len(above) - 1)) if len(above) > 1 else 0.0
 
 
 class Stopwatch:

@@ -6,6 +6,7 @@ import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
 from . import _ngsxfem_contact as core
+from .nodal_newton import FREE
 from .operators import NormalGap, Slip, Strain, TangentialStress
 from .spaces import crack_points
 
@@ -34,14 +35,24 @@ class StressIntensityFactors:
         return iter((self.K_I, self.K_II))
 
 
+@dataclass
+class Increment:
+    """moments: (B - C_γ) U + D_γ L.  residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part."""
+
+    moments: np.ndarray
+    residual: np.ndarray
+
+
 class ContactSolution:
     """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None.
 
     u may be a function without arguments that computes it: it is called when u is first used.
+    tangential_multiplier: λ_t, a GridFunction; None without friction.    increment: an Increment, for the next load step.
     """
 
-    def __init__(self, problem, u, multiplier, report, gamma):
-        self.problem, self._u, self.multiplier, self.report, self.gamma = problem, u, multiplier, report, gamma
+    def __init__(self, problem, u, multipliers, report, gamma, increment):
+        self.problem, self._u, self.report, self.gamma, self.increment = problem, u, report, gamma, increment
+        self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
     @property
     def u(self):
@@ -68,27 +79,52 @@ class ContactSolution:
         """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other."""
         return Integrate(self.multiplier * self.problem.W.dcrack(crack=crack), self.body.mesh)
 
+    def TangentialForce(self, crack=0):
+        """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction."""
+        return Integrate(self.tangential_multiplier * self.problem.W.dcrack(crack=crack), self.body.mesh) if self.tangential_multiplier else 0.0
+
+    def FrictionWork(self):
+        """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes."""
+        first = self.problem.W.ndof
+        return -float(self.Multipliers()[first:] @ self.increment.residual[first:]) if self.tangential_multiplier else 0.0
+
+    def Multipliers(self):
+        """L = (L_n, L_t) as one array; L_t = 0 where there is no friction."""
+        normal = self.multiplier.vec.FV().NumPy()
+        return np.concatenate([normal, self.tangential_multiplier.vec.FV().NumPy() if self.tangential_multiplier else np.zeros(len(normal))])
+
     def Profile(self, crack=0, n=200):
         """A CrackProfile at n points from end to end, in the user's units.
 
-        sigma_t is the tangential traction of the larger part of each element: zero in exact frictionless contact.
+        sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact
+        frictionless contact makes zero.
         """
         body = self.body
         s = np.linspace(0, body.cracks[crack].length, n)
         points = crack_points(body, crack, s)
         xy = np.array([body.cracks[crack].PointAt(si) for si in s])
-        stress = self.problem.material.Stress(Strain(self.u, "larger"))
         values = [f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier)]
+        if self.tangential_multiplier:
+            return CrackProfile(s, xy[:, 0], xy[:, 1], *values, self.tangential_multiplier(points).ravel())
+        stress = self.problem.material.Stress(Strain(self.u, "larger"))
         # at a tip itself the terms of the stress cancel only in exact arithmetic
         inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
         return CrackProfile(s, xy[:, 0], xy[:, 1], *values, TangentialStress(stress, body)(inside).ravel())
 
     def Transitions(self, crack=0):
         """Arc lengths at which the active set changes along a crack: between two neighbouring nodes the middle."""
+        return self._changes(self.report.active[-1], crack)
+
+    def SlipTransitions(self, crack=0):
+        """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
+        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.problem.W.ndof)
+        return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
+
+    def _changes(self, states, crack, where=lambda a, b: True):
         positions = self.problem.W.NodalPositions()
         first = sum(len(p) for p in positions[:crack])
-        active = self.report.active[-1][first : first + len(positions[crack])]
-        changes = np.flatnonzero(np.diff(active.astype(int)))
+        a, b = (states[first : first + len(positions[crack])][part] for part in (slice(None, -1), slice(1, None)))
+        changes = np.flatnonzero((a != b) & where(a, b))
         s = np.array(positions[crack])
         return 0.5 * (s[changes] + s[changes + 1])
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import GridFunction
 
-from .active_set import coarse_start, solve_active_set
+from .active_set import coarse_start
 from .checks import check_coercive, check_data, check_multiplier, check_rigid_motions
 from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
+from .friction import transformation
 from .report import Report, Stopwatch
 from .solution import ContactSolution
 
@@ -20,7 +21,7 @@ def solve(problem, inverse=None, **options):
 
     inverse: NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "pardiso" where MKL is installed
     and "sparsecholesky" elsewhere.    As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
-    options: cone, r, start, max_iterations as for ReducedProblem.Step.
+    options: cone, r, start, max_iterations, previous as for ReducedProblem.Step.
     Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
     """
     return ReducedProblem(problem, inverse).Solve(**options)
@@ -65,8 +66,12 @@ class ReducedProblem:
             check_coercive(problem, self.elimination)
         self.S = self.elimination.S + system.D.toarray()
         watch.Mark("factor")
-        self.load = self.Load(system.F, problem.given.vec.FV().NumPy().copy())
+        self.load = self.PresentLoad()
         watch.Mark("load")
+
+    def PresentLoad(self):
+        """The Load of what the problem holds now."""
+        return self.Load(self.problem.Loads(), self.problem.given.vec.FV().NumPy().copy())
 
     def Load(self, F, given):
         """The Load of a vector F and given displacements, arrays of length ndof: one back-substitution."""
@@ -84,62 +89,85 @@ class ReducedProblem:
         solution.u  # recovered and checked now
         return solution
 
-    def Step(self, cone=None, r=1.0, start=None, max_iterations=100, load=None):
+    def Step(self, cone=None, r=1.0, start=None, max_iterations=100, load=None, previous=None):
         """A ContactSolution whose displacement is recovered, and whose residuals are checked, when it is first used.
 
         cone: an object of `cones`; default the problem's.    r: the parameter of the projection (39), relative; the
         answer does not depend on it.    start: first active set: boolean, one for each nodal sign, or a ContactSolution
-        on any mesh whose cracks have the same arc lengths; default: from coarser sets, see active_set.coarse_start.
-        load: a Load; default the problem's.
+        on any mesh whose cracks have the same arc lengths; default: that of `previous`, or from coarser sets, see
+        active_set.coarse_start.    load: a Load; default what the problem held when it was reduced.
+        previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         """
-        problem, load = self.problem, load or self.load
+        problem, load, cone = self.problem, load or self.load, cone or self.problem.cone
         report = Report((int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings))
         watch = Stopwatch(report.timings)
-        T, Q = self._signs(cone or problem.cone)
-        q = T.T @ (load.g - self.system.G)
-        if start is None:
-            start, report.coarse_iterations = self._cold_start(Q, q)
-        elif isinstance(start, ContactSolution):
-            start = active_on(problem.W, start)
-        result = solve_active_set(Q, q, r, start, max_iterations)
-        report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
+        T, Q = self._signs(cone)
+        G = self._gaps(previous)
+        q = T.T @ (load.g - G)
+        start = self._first_set(Q, q, start, previous, report)
+        p = problem.friction.Solve(Q, q, problem.W, cone, report, r, start, max_iterations)
         report.converged = True
         watch.Mark("active set")
-        multiplier = GridFunction(problem.W, "multiplier")
-        multiplier.vec.FV().NumPy()[:] = L = T @ result.p
-        return ContactSolution(problem, lambda: self._recover(report, load, L, result.p, T), multiplier, report, self.system.gamma)
+        L = T @ p
+        moments = load.g + self.S @ L
+        recover = lambda: self._recover(report, load, L, G, p, T, cone)
+        return ContactSolution(problem, recover, multipliers(problem, L), report, self.system.gamma, Increment(moments, moments - G))
+
+    def _gaps(self, previous):
+        """G of the second row of (38); its tangential part is (B - C_γ)_t U + D_γ L_t of the previous solution.
+
+        Where a node sticks, the slip beyond the previous one is zero; measured with its stabilising part it is zero
+        exactly for unchanged loads.
+        """
+        problem = self.problem
+        if previous is None:
+            return self.system.G
+        if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
+            raise ValueError("previous: a solution on other spaces; load steps need the V and W of the problem")
+        if len(previous.increment.moments) != len(self.system.G):
+            raise ValueError("previous: a solution with another number of multipliers; both steps need friction")
+        G = self.system.G.copy()
+        G[problem.W.ndof :] = previous.increment.moments[problem.W.ndof :]
+        return G
+
+    def _first_set(self, Q, q, start, previous, report):
+        m = self.problem.W.ndof
+        if start is None and previous is not None:
+            return previous.report.active[-1]
+        if isinstance(start, ContactSolution):
+            return active_on(self.problem.W, start)
+        if start is not None:
+            return start
+        order = along_cracks(self.problem.W)
+        active = np.empty(m, dtype=bool)
+        active[order], report.coarse_iterations = coarse_start(Q[np.ix_(order, order)], q[order])
+        return active
 
     def _signs(self, cone):
         """T with L = T p, and Tᵀ S T; checked once for each cone."""
         if cone not in self.transformed:
-            T = cone.Transformation(self.problem.W)
+            T = transformation(self.problem.friction, cone, self.problem.W)
             Q = T.T @ self.S @ T
             if self.check:
                 check_multiplier(Q)
             self.transformed[cone] = T, Q
         return self.transformed[cone]
 
-    def _cold_start(self, Q, q):
-        order = along_cracks(self.problem.W)
-        active = np.empty(len(q), dtype=bool)
-        active[order], iterations = coarse_start(Q[np.ix_(order, order)], q[order])
-        return active, iterations
-
-    def _recover(self, report, load, L, p, T):
+    def _recover(self, report, load, L, G, p, T, cone):
         watch = Stopwatch(report.timings)
         u, U = GridFunction(self.problem.V, "u"), self.Displacement(L, load)
-        self.Accept(report, load, U, L, p, T)
+        self.Accept(report, load, U, L, G, p, T, cone)
         u.vec.FV().NumPy()[:] = U
         watch.Mark("recover")
         return u
 
-    def Accept(self, report, load, U, L, p, T, tolerance=1e-8):
+    def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
         system, EL = self.system, self.system.E.T @ L
         residual = self.elimination.Residual(load.F + EL, U)
         forces = max(np.abs(load.F).max(), np.abs(EL).max(), self.elimination.ForceScale(U), TINY)
         report.residual = float(np.abs(residual).max() / forces)
-        report.complementarity = complementarity(system, self.problem, U, L, p, T)
+        report.complementarity = complementarity(system, self.problem, U, L, G, p, T, cone)
         report.converged = report.residual < tolerance and report.complementarity < tolerance
         if not report.converged:
             raise NotConverged(f"the solution does not satisfy its own equations to {tolerance:g}:\n{report}")
@@ -164,10 +192,18 @@ def active_on(W, solution):
     return np.concatenate([state[n] for state, n in zip(states, nearest)])
 
 
-def complementarity(system, problem, U, L, p, T):
-    """The largest violation of p ≤ 0, w ≤ 0, p·w = 0: pressures relative to the largest, gaps to the largest displacement."""
-    w = T.T @ system.Residual(U, L)
+def complementarity(system, problem, U, L, G, p, T, cone):
+    """The largest violation of the nodal conditions: pressures relative to the largest, gaps and slips to the largest displacement."""
+    w = T.T @ (system.Moments(U, L) - G)
     displacement = np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max()
-    p = p / max(np.abs(p).max(), TINY)
+    scale = max(np.abs(p).max(), TINY)
     w = w / np.maximum(np.abs(T.T) @ np.abs(system.weights) * displacement, TINY)
-    return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
+    return problem.friction.Violation(p / scale, w, scale, problem.W, cone)
+
+
+def multipliers(problem, L):
+    """L as GridFunctions: λ, and λ_t with friction."""
+    functions = [GridFunction(problem.W, name) for name in ("multiplier", "tangential_multiplier")[: len(problem.friction.components)]]
+    for function, values in zip(functions, np.split(L, len(functions))):
+        function.vec.FV().NumPy()[:] = values
+    return functions

@@ -11,7 +11,7 @@ import numpy as np
 from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFunction, IfPos, InnerProduct, sqrt, x, y
 
 from . import _ngsxfem_contact as core
-from .operators import NormalStress, Strain
+from .operators import NORMAL, NormalStress, Strain
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,11 @@ class Unstabilised:
 
     sides = {}
 
-    def Gamma(self, V, material):
+    def Gamma(self, V, material, components=(NORMAL,)):
         """None: there is no γ."""
         return None
 
-    def IsSafe(self, V, material):
+    def IsSafe(self, V, material, components=(NORMAL,)):
         """True: K is positive."""
         return True
 
@@ -37,6 +37,8 @@ class BarbosaHughes:
         None (default): γ_T = theta h_T / C_T on each element, C_T the largest value of
         ∫_{T∩Γ} h_T R_h(v)² / a_T(v,v), a_T over the larger part: K - K_γ is coercive with 1 - theta.
     theta: between 0 and 1.
+
+    With friction the tangential multiplier is stabilised in the same way, R_h(v)² becoming |σ(v)n|².
     """
 
     gamma0: float | None = None
@@ -50,21 +52,21 @@ class BarbosaHughes:
         if not 0 < self.theta < 1:
             raise ValueError(f"BarbosaHughes: theta={self.theta} must lie between 0 and 1")
 
-    def Gamma(self, V, material):
+    def Gamma(self, V, material, components=(NORMAL,)):
         """γ as a CoefficientFunction on the elements that the cracks meet."""
-        return element_gamma(V, self.Limits(V, material))
+        return element_gamma(V, self.Limits(V, material, components))
 
-    def Limits(self, V, material):
+    def Limits(self, V, material, components=(NORMAL,)):
         """γ_T / h_T for each of crack_elements."""
         if self.gamma0 is not None:
             return np.full(len(crack_elements(V.body)), self.gamma0)
-        constants = trace_constants(V, material)
+        constants = trace_constants(V, material, components)
         # an element on which R_h vanishes needs no bound of its own
         return self.theta / np.maximum(constants, 1e-3 * constants.max())
 
-    def IsSafe(self, V, material):
+    def IsSafe(self, V, material, components=(NORMAL,)):
         """Whether the local eigenproblems prove K - K_γ positive."""
-        return self.gamma0 is None or self.gamma0 * trace_constants(V, material).max() < 1
+        return self.gamma0 is None or self.gamma0 * trace_constants(V, material, components).max() < 1
 
 
 @dataclass(frozen=True)
@@ -87,11 +89,11 @@ class BothSides:
         """The traces that take part, with their weights."""
         return {"plus": self.weight, "minus": self.weight}
 
-    def Gamma(self, V, material):
+    def Gamma(self, V, material, components=(NORMAL,)):
         """γ as a CoefficientFunction on the elements that the cracks meet."""
         return element_gamma(V, np.full(len(crack_elements(V.body)), self.gamma0))
 
-    def IsSafe(self, V, material):
+    def IsSafe(self, V, material, components=(NORMAL,)):
         """False: no local bound is known, the eigenvalue has to be computed."""
         return False
 
@@ -127,28 +129,33 @@ def normal_stress(u, material, body, side="larger"):
     return NormalStress(material.Stress(Strain(u, side)), body)
 
 
-def squared_traces(stabilisation, u, v, material, body):
-    """The integrand of K_γ without γ: R_h(u) R_h(v), or its counterpart."""
-    return sum(w * normal_stress(u, material, body, side) * normal_stress(v, material, body, side) for side, w in stabilisation.sides.items())
+def squared_traces(stabilisation, u, v, material, body, components=(NORMAL,)):
+    """The integrand of K_γ without γ: R_h(u) R_h(v), or its counterpart, summed over the components."""
+    return sum(
+        w * component.traction(material.Stress(Strain(u, side)), body) * component.traction(material.Stress(Strain(v, side)), body)
+        for side, w in stabilisation.sides.items()
+        for component in components
+    )
 
 
-def summed_traces(stabilisation, u, material, body):
-    """The factor of γμ in C_γ: R_h(u), or its counterpart."""
-    return sum(w * normal_stress(u, material, body, side) for side, w in stabilisation.sides.items())
+def summed_traces(stabilisation, u, material, body, component=NORMAL):
+    """The factor of γμ in C_γ: R_h(u), or its counterpart, of one component."""
+    return sum(w * component.traction(material.Stress(Strain(u, side)), body) for side, w in stabilisation.sides.items())
 
 
-def trace_constants(V, material):
+def trace_constants(V, material, components=(NORMAL,)):
     """C_T for each element of crack_elements: the local eigenproblems of docs/method.md, section 5.
 
-    C_T = max ∫_{T∩Γ} h_T w R_h(v)² / a_T(v,v) over the functions of V that live on T, w = tip_weight. Dimensionless
-    times stress; with γ_T = θ h_T / C_T, ∫γ R_h(v)² ≤ θ a(v,v), because the larger parts are disjoint.
+    C_T = max ∫_{T∩Γ} h_T w R_h(v)² / a_T(v,v) over the functions of V that live on T, w = tip_weight; with friction
+    |σn|² = σ_n² + σ_t² in place of σ_n². Dimensionless times stress; with γ_T = θ h_T / C_T, ∫γ R_h(v)² ≤ θ a(v,v),
+    because the larger parts are disjoint.
     """
     u, v = V.TnT()
     body = V.body
     energy = BilinearForm(V)
     energy += InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dlarger
     trace = BilinearForm(V)
-    trace += tip_weight(V) * normal_stress(u, material, body) * normal_stress(v, material, body) * body.dcrack
+    trace += tip_weight(V) * squared_traces(BarbosaHughes, u, v, material, body, components) * body.dcrack
     return np.array([location.h * _largest_ratio(V, location.element, trace, energy) for location in crack_elements(body)])
 
 

@@ -121,7 +121,7 @@ def test_a_form_never_names_a_solver(module):
     assert not reachable(python_graph(lazy=True), module) & SOLVING
 
 
-@pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "elimination"])
+@pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "nodal_newton", "friction", "elimination"])
 def test_a_method_never_names_results(module):
     assert not reachable(python_graph(lazy=True), module) & (RESULTS | {"problem", "solver"})
 
@@ -163,8 +163,9 @@ def test_files_are_short(path):
 
 PUBLIC = {name: value for name, value in vars(ngsxfem_contact).items() if not name.startswith("_") and not inspect.ismodule(value)}
 EXPECTED = """
-    BarbosaHughes Coercivity ContactProblem ContactSolution Crack CrackFESpace CrackedMesh Elasticity Gradient InfSup Jump Minus
-    NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain TangentialStress TipEnrichment TraceSpace
+    BarbosaHughes Coercivity ContactProblem ContactSolution Coulomb Crack CrackFESpace CrackedMesh Elasticity FixedPoint FullNewton
+    Gradient InfSup Jump Minus NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain
+    TangentialStress TipEnrichment TraceSpace Tresca
 """.split()
 
 
