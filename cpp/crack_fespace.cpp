@@ -47,7 +47,7 @@ namespace ngsxfem_contact
             throw Exception("CrackFESpace: the disk r1 = " + ngcore::ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
                             + tip.limit + ", at " + ngcore::ToString(tip.clearance) + "; choose r1 below that");
           tips[i].emplace(tip.point, tip.ahead, tip.plus_sign, *spec);
-          body->RequireTipQuadrature(i, { spec->r0, spec->r1 }, tolerance);
+          body->RequireTipQuadrature(i, { spec->r0, spec->r1 }, spec->cutoff == CutOff::Cubic ? 1 : 2, tolerance);
         }
   }
 
@@ -256,20 +256,31 @@ namespace ngsxfem_contact
       (static_cast<BaseScalarFiniteElement&>(fe), View(jumps), View(singular), *body, located ? body->Find(ei.Nr()) : nullptr);
   }
 
+  void CrackFESpace :: GetComponent (ElementId ei, Array<DofId> & functions) const
+  {
+    scalar->GetDofNrs(ei, functions);
+    if (ei.VB() <= BND)
+      for (auto j : HeavisideOf(ei).global) functions.Append(NumScalar()+j);
+  }
+
   void CrackFESpace :: GetDofNrs (ElementId ei, Array<DofId> & dnums) const
   {
-    static const HeavisideFunctions no_jumps;
-    static const TipSet no_tips;
-    auto & global = (ei.VB() <= BND ? HeavisideOf(ei) : no_jumps).global;
-    auto & tip_dofs = (ei.VB() <= BND ? TipsOf(ei) : no_tips).dofs;
-    scalar->GetDofNrs(ei, dnums);
-    size_t nd = dnums.Size(), n = nd + global.size();
-    dnums.SetSize(2*n + tip_dofs.size());
-    for (size_t i = 0; i < nd; i++)
-      dnums[n+i] = IsRegularDof(dnums[i]) ? DofId(NumScalar()+dnums[i]) : dnums[i];
-    for (size_t j = 0; j < global.size(); j++)
-      for (size_t k = 0; k < 2; k++) dnums[k*n+nd+j] = HeavisideDof(global[j], k);
-    for (size_t m = 0; m < tip_dofs.size(); m++) dnums[2*n+m] = tip_dofs[m];
+    GetComponent(ei, dnums);
+    size_t n = dnums.Size(), ns = NumScalar(), nh = NumHeaviside();
+    const TipSet & set = ei.VB() == VOL ? TipsOf(ei) : tip_sets[0];
+    dnums.SetSize(2*n + set.dofs.size());
+    for (size_t i = 0; i < n; i++)
+      {
+        DofId f = dnums[i];
+        if (!IsRegularDof(f))
+          dnums[n+i] = f;
+        else
+          {
+            dnums[i] = size_t(f) < ns ? f : f+ns;
+            dnums[n+i] = size_t(f) < ns ? f+ns : f+ns+nh;
+          }
+      }
+    for (size_t m = 0; m < set.dofs.size(); m++) dnums[2*n+m] = set.dofs[m];
   }
 
   void CrackFESpace :: GetDofNrs (NodeId ni, Array<DofId> & dnums) const

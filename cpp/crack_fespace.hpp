@@ -68,6 +68,11 @@ namespace ngsxfem_contact
     /// Of an element in the support: +1, -1, or 0 if the crack divides it or runs along it.
     int HeavisideSide (size_t j, size_t element) const;
     std::vector<DofId> TipDofs (size_t tip) const;
+    size_t NumTipDofs (size_t tip) const { return tips.at(tip) ? tips[tip]->Size() : 0; }
+    /// The functions of one component of an element: φ_i, then NumScalar() + j for the j-th Heaviside function.
+    void GetComponent (ElementId ei, Array<DofId> & functions) const;
+    /// The tips whose functions an element has.
+    const std::vector<size_t> & TipsAt (size_t element) const { return tip_sets[tips_of[element]].tips; }
     /// All dofs from here on belong to tips.
     DofId FirstTipDof () const { return 2*(NumScalar()+NumHeaviside()); }
 

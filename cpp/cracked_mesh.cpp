@@ -107,13 +107,14 @@ namespace ngsxfem_contact
     return elements;
   }
 
-  void CrackedMesh :: RequireTipQuadrature (size_t tip, std::set<double> breaks, double tolerance)
+  void CrackedMesh :: RequireTipQuadrature (size_t tip, std::set<double> breaks, int smoothness, double tolerance)
   {
     std::lock_guard guard(rule_mutex);
     auto & quadrature = tip_quadrature.at(tip);
-    if (!quadrature) quadrature = TipQuadrature { tips[tip].point, {}, tolerance };
+    if (!quadrature) quadrature = TipQuadrature { tips[tip].point, {}, tolerance, smoothness };
     quadrature->breaks.merge(breaks);
     quadrature->tolerance = std::min(quadrature->tolerance, tolerance);
+    quadrature->smoothness = std::min(quadrature->smoothness, smoothness);
     rule_tables.clear();
     rule_version++;
   }

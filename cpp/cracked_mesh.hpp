@@ -86,7 +86,7 @@ namespace ngsxfem_contact
     shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const;
 
     /// Asks for rules that integrate singular functions at a tip; rules that were made before are made again.
-    void RequireTipQuadrature (size_t tip, std::set<double> breaks, double tolerance);
+    void RequireTipQuadrature (size_t tip, std::set<double> breaks, int smoothness, double tolerance);
 
     /// The table for rules of the given order; nodes: where the rules on Γ_C are divided, beside the mesh edges and kinks.
     shared_ptr<const RuleTable> Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes = {}) const;

@@ -194,7 +194,7 @@ namespace ngsxfem_contact
   int TipQuadrature :: RadialPoints (int order) const
   {
     // |∇(χF)|² r dr with quintic χ is a polynomial of degree 2·(2·5) + 2·1 + 1 in √r, beside order·2 of the rest
-    return std::min(12 + order, 20);
+    return std::min(int(std::ceil(-1.2*log10(tolerance))) + order, 20);
   }
 
   double TipQuadrature :: AnnulusWidth (double r) const
@@ -202,6 +202,15 @@ namespace ngsxfem_contact
     auto above = breaks.upper_bound(r);
     if (above == breaks.begin()) return *above;
     return above == breaks.end() ? Radius() : *above - *std::prev(above);
+  }
+
+  double TipQuadrature :: KinkOrder (double r, double h) const
+  {
+    // beside |∇F| = 1/(2√r), χ' F grows like 12 r x/w² (60 r x²/w³) with the distance x from the kink;
+    // of that at x = h, Gauss of order q misses about a tenth of (q+1)^-2 (-3)
+    double w = r < Radius() ? AnnulusWidth(r) : AnnulusWidth(0.999*r);
+    if (smoothness == 1) return sqrt(1.2*r*h/(w*w)/tolerance) - 1;
+    return cbrt(6*r*h*h/(w*w*w)/tolerance) - 1;
   }
 
   void AppendTriangle (const Triangle & t, int order, PointRule & rule)
@@ -214,16 +223,17 @@ namespace ngsxfem_contact
 
   std::optional<int> GaussOrder (const Triangle & t, int order, const TipQuadrature & tip)
   {
-    double h = LongestEdge(t), r = DistanceToTriangle(tip.tip, t);
+    double h = LongestEdge(t), r = DistanceToTriangle(tip.tip, t), kink = 0;
     if (r < 1.5*h) return std::nullopt;
     for (double radius : tip.breaks)
-      if (Crosses(t, tip.tip, radius)) return std::nullopt;
+      if (Crosses(t, tip.tip, radius)) kink = std::max(kink, tip.KinkOrder(radius, h));
+    if (kink > 14) return std::nullopt;            // a polar rule has fewer points
     // √r is analytic up to the tip: the error of Gauss falls by e = z + √(z²-1) for each degree, z = 1 + 2r/h;
     // χ² is a polynomial of degree 10 in r at the scale of its annulus
     double z = 1 + 2*r/h, e = z + sqrt(z*z-1), scale = 1 + tip.AnnulusWidth(r)/h;
     double digits = -log(tip.tolerance);
     int extra = int(std::ceil(std::max(0.7*digits/log(e), std::min(10.0, 0.7*digits/log(scale)))));
-    int raised = std::min(order+extra, 24);
+    int raised = std::min(std::max(order+extra, int(std::ceil(kink))), 24);
     return raised == 2 ? 3 : raised;               // see AppendTriangle
   }
 

@@ -16,10 +16,13 @@ namespace ngsxfem_contact
     Point tip;
     std::set<double> breaks;
     double tolerance = 1e-10;      // aimed at, relative to the integral over an element
+    int smoothness = 1;            // continuous derivatives of χ
 
     double Radius () const { return *breaks.rbegin(); }
     /// Between the two breaks around r: the scale on which χ varies there.
     double AnnulusWidth (double r) const;
+    /// The order of Gauss that integrates over a kink at the radius r in a triangle of size h; large if h is.
+    double KinkOrder (double r, double h) const;
     /// 1D Gauss points that integrate the radial part, a polynomial in √r, with those of degree order beside it.
     int RadialPoints (int order) const;
   };

@@ -48,6 +48,8 @@ void ExportMeasures (py::module & m)
            auto array = [] (auto & v) { return py::array(v.size(), v.data()); };
            return py::make_tuple(array(p.element), array(p.xi), array(p.eta), array(p.weight), array(p.x), array(p.y));
          }, py::arg("order"), "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order.")
+    .def("PrepareRules", [] (const CutDifferentialSymbol & dx, int order) { dx.measure.Rules(dx.vb, order); }, py::arg("order"),
+         "Makes the rules of this order now, which are otherwise made when they are first used, and kept.")
     .def("__rmul__", [] (const CutDifferentialSymbol & dx, double factor)
          { return make_shared<SumOfIntegrals>(dx.MakeIntegral(make_shared<ConstantCoefficientFunction>(factor))); });
 }
