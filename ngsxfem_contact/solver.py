@@ -19,8 +19,8 @@ TINY = np.finfo(float).tiny
 def solve(problem, inverse=None, **options):
     """Solves a ContactProblem and returns its ContactSolution.
 
-    inverse: NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "pardiso" where MKL is installed
-    and "sparsecholesky" elsewhere.    As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
+    inverse: NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for
+    large problems where MKL is installed.    As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
     options: cone, r, start, max_iterations, previous as for ReducedProblem.Step.
     Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
     """
@@ -79,7 +79,7 @@ class ReducedProblem:
         return Load(F, given, reduced, reduced.crack + self.system.E @ given)
 
     def Displacement(self, L, load=None):
-        """U for a multiplier L, refined where that is needed."""
+        """U for a multiplier L: one back-substitution."""
         load = load or self.load
         return self.elimination.Recover(load.reduced, L) + load.given
 

@@ -18,6 +18,7 @@ PYTHON_FILES = sorted(PACKAGE.glob("*.py"))
 
 GEOMETRY = {"crack", "element_location", "cut_rule", "cracked_mesh"}
 SPACES = {"tip_functions", "crack_element", "diffops", "crack_fespace", "crack_bilinearform", "trace_space", "cut_integral"}
+MATRICES = {"bordered_matrix", "schur_complement"}
 FORMS = {"spaces", "operators", "elasticity"}
 SOLVING = {"problem", "solver", "solution", "stabilisation"}
 RESULTS = {"solution", "plotting", "closed_forms", "paper"}
@@ -81,7 +82,7 @@ def cycles(graph):
 
 
 def test_the_sources_are_here():
-    assert GEOMETRY | SPACES <= set(cpp_graph())
+    assert GEOMETRY | SPACES | MATRICES <= set(cpp_graph())
     assert FORMS | SOLVING | RESULTS <= set(python_graph())
 
 
@@ -96,6 +97,11 @@ def test_the_reader_sees_what_it_should():
 @pytest.mark.parametrize("unit", sorted(GEOMETRY))
 def test_geometry_never_names_a_space(unit):
     assert not reachable(cpp_graph(), unit) & SPACES
+
+
+@pytest.mark.parametrize("unit", sorted(MATRICES))
+def test_linear_algebra_knows_matrices_only(unit):
+    assert not reachable(cpp_graph(), unit) & (GEOMETRY | SPACES)
 
 
 @pytest.mark.parametrize("unit", sorted(SPACES - {"cut_integral", "trace_space"}))
@@ -121,7 +127,7 @@ def test_a_form_never_names_a_solver(module):
     assert not reachable(python_graph(lazy=True), module) & SOLVING
 
 
-@pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "nodal_newton", "friction", "elimination"])
+@pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "nodal_newton", "friction", "elimination", "pardiso"])
 def test_a_method_never_names_results(module):
     assert not reachable(python_graph(lazy=True), module) & (RESULTS | {"problem", "solver"})
 
@@ -164,7 +170,7 @@ def test_files_are_short(path):
 PUBLIC = {name: value for name, value in vars(ngsxfem_contact).items() if not name.startswith("_") and not inspect.ismodule(value)}
 EXPECTED = """
     BarbosaHughes Coercivity ContactProblem ContactSolution Coulomb Crack CrackFESpace CrackedMesh Elasticity FixedPoint FullNewton
-    Gradient InfSup Jump Minus NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain
+    Gradient InfSup Jump LoadCase LoadSteps Minus NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain
     TangentialStress TipEnrichment TraceSpace Tresca
 """.split()
 
