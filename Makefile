@@ -3,11 +3,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 SOURCES := setup.py pyproject.toml CMakeLists.txt README.md \
   $(wildcard cpp/*.?pp python/*.?pp) \
-  $(filter-out %/_build_info.py,$(wildcard ngsxfem_contact/*.py)) ngsxfem_contact/py.typed
+  $(filter-out %/_build_info.py,$(wildcard ngsxfem_contact/*.py ngsxfem_contact/*.pyi)) ngsxfem_contact/py.typed
+CPP := $(wildcard cpp/*.?pp python/*.?pp)
 BUILD_REQUIRES = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | tr , ' ')
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test dev clean
+.PHONY: help demo test dev notebooks docs lint format stubs coverage wheel clean
 
 help: ## show these targets (default)
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
@@ -22,8 +23,35 @@ test: $(VENV)/test.stamp ## build the package into .venv and run its tests
 dev: $(VENV)/dev.stamp ## editable install into .venv that compiles only what changed
 	$(BIN)/pip install --no-build-isolation -e '.[plot,test]'
 
+notebooks: $(VENV)/docs.stamp ## execute the tutorials to notebooks in docs/tutorials
+	$(BIN)/python tools/notebooks.py
+
+docs: notebooks ## build the documents in build/docs, warnings are errors
+	$(BIN)/python -m sphinx -W --keep-going -q docs build/docs
+
+lint: $(VENV)/dev_tools.stamp ## check format, style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/clang-format --dry-run --Werror $(CPP)
+	$(BIN)/mypy
+
+format: $(VENV)/dev_tools.stamp ## format Python and C++
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(BIN)/clang-format -i $(CPP)
+
+stubs: $(VENV)/dev_tools.stamp ## write the types of the extension, ngsxfem_contact/*.pyi
+	$(BIN)/python tools/stubs.py
+
+coverage: $(VENV)/dev_tools.stamp ## run the tests with an instrumented build, report the lines reached
+	tools/coverage.sh $(BIN)/python
+
+wheel: $(VENV)/dev_tools.stamp ## build sdist and wheel in dist/, as a release does
+	$(BIN)/python -m build
+	sh tools/repair_wheel.sh $$(ls -t dist/*-linux_*.whl | head -n 1) dist $(BIN)/python
+
 clean: ## remove all that was built, and .venv; keep results/
-	rm -rf build *.egg-info $(VENV) ngsxfem_contact/_build_info.py ngsxfem_contact/_ngsxfem_contact*.so
+	rm -rf build dist docs/tutorials *.egg-info $(VENV) ngsxfem_contact/_build_info.py ngsxfem_contact/_ngsxfem_contact*.so
 
 $(VENV)/venv.stamp:
 	@command -v $(PYTHON) > /dev/null || { echo "missing: $(PYTHON)"; \
@@ -35,6 +63,10 @@ $(VENV)/venv.stamp:
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)
 	rm -rf build/lib*
 	$(BIN)/pip install .
+	touch $@
+
+$(VENV)/dev_tools.stamp: $(VENV)/package.stamp
+	$(BIN)/pip install 'ngsxfem_contact[dev,test,plot]'
 	touch $@
 
 # The package is installed already: this only adds what the extra needs.

@@ -46,19 +46,32 @@ def legend_below(ax):
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
 
 
-def plot_body(solution, ax=None, scale=None):
-    """The deformed body, coloured by the von Mises stress up to its 98 % quantile, and the two lips of each crack.
+def shown_values(solution, split, field=None):
+    """Values (M,3,dim) of a field, one-sided at the lips, and the colours' range; field=None: the von Mises stress.
 
-    scale: of the displacement; by default the largest is 5 % of the body's size. Returns the axes.
+    Stresses are infinite at tips: the range leaves out the least and the largest 2 % of the values.
+    """
+    field = von_mises(solution.problem.material, Strain(solution.u)) if field is None else CF(field)
+    values = split.EvaluateInside(field)
+    return values, np.quantile(np.linalg.norm(values, axis=-1) if field.dim > 1 else values, (0.02, 0.98))
+
+
+def plot_body(solution, ax=None, scale=None, field=None, label="von Mises stress"):
+    """The deformed body, coloured by a scalar field, and the two lips of each crack; returns the axes.
+
+    scale: of the displacement; by default the largest is 5 % of the body's size.
+    field: CoefficientFunction such as `solution.stress[1, 1]`, with its label; by default the von Mises stress.
+    The colours leave out the least and the largest 2 % of the values.
     """
     split, u = split_displacement(solution)
     scale = visible_scale(split, u) if scale is None else scale
     ax = ax or pyplot().subplots(layout="constrained")[1]
-    stress = split.EvaluateInside(von_mises(solution.problem.material, Strain(solution.u)))[..., 0]
+    values, (low, high) = shown_values(solution, split, field)
     shape = split.points + scale * u
     corners = shape[split.triangles].reshape(-1, 2)
-    colours = ax.tripcolor(*corners.T, np.arange(len(corners)).reshape(-1, 3), stress.ravel(), shading="gouraud", vmax=np.quantile(stress, 0.98))
-    ax.figure.colorbar(colours, ax=ax, label="von Mises stress", extend="max")
+    numbers = np.arange(len(corners)).reshape(-1, 3)
+    colours = ax.tripcolor(*corners.T, numbers, values.ravel(), shading="gouraud", vmin=low, vmax=high)
+    ax.figure.colorbar(colours, ax=ax, label=label, extend="both")
     for side, (name, colour) in LIPS.items():
         edges = shape[split.lips[split.lip_side == side]]
         lines = np.concatenate([edges, np.full_like(edges[:, :1], np.nan)], axis=1).reshape(-1, 2)  # nan lifts the pen
@@ -68,29 +81,44 @@ def plot_body(solution, ax=None, scale=None):
     return ax
 
 
-def plot_profile(solution, crack=0, ax=None):
-    """Contact pressure -λ and normal gap along a crack, the contact zone shaded. ax: two axes. Returns them."""
+PROFILES = {
+    "pressure": ("pressure $-\\lambda$", lambda profile: -np.asarray(profile.sigma_n)),
+    "gap": ("normal gap $g_n$", lambda profile: profile.gap),
+    "slip": ("slip $g_t$", lambda profile: profile.slip),
+    "shear": ("tangential stress $\\sigma_t$", lambda profile: profile.sigma_t),
+}
+
+
+def plot_profile(solution, crack=0, ax=None, quantities=("pressure", "gap")):
+    """Quantities along a crack, the contact zone shaded: "pressure" -λ, "gap", "slip", "shear". ax: one axes for each. Returns them."""
     profile = solution.Profile(crack=crack, n=400)
-    axes = pyplot().subplots(2, 1, sharex=True, layout="constrained")[1] if ax is None else ax
+    axes = np.ravel(pyplot().subplots(len(quantities), 1, sharex=True, layout="constrained")[1] if ax is None else ax)
     pressure = -np.asarray(profile.sigma_n)
     contact = pressure > 1e-8 * np.abs(pressure).max()
-    for axis, values, label in zip(axes, (pressure, profile.gap), ("pressure $-\\lambda$", "normal gap $g_n$")):
+    for axis, quantity in zip(axes, quantities):
+        label, values = PROFILES[quantity]
         axis.fill_between(profile.s, 0, 1, where=contact, transform=axis.get_xaxis_transform(), color="0.88", label="contact")
         axis.axhline(0, color="0.5", linewidth=0.6)
-        axis.plot(profile.s, values, color="tab:blue")
+        axis.plot(profile.s, values(profile), color="tab:blue")
         axis.set_ylabel(label)
     if contact.any():
         axes[0].legend(loc="best")
-    axes[1].set_xlabel("arc length s along the crack")
+    axes[-1].set_xlabel("arc length s along the crack")
     return axes
 
 
 def plot_mesh(V, ax=None):
-    """The mesh, the cracks, circles on vertices with a Heaviside function, and the disks of the tips' functions. Returns the axes."""
+    """The mesh, the cracks, and what enriches the space: circles on vertices with a Heaviside function, the disks of the tips' functions.
+
+    Triangles are light if some of their vertices are enriched, darker if all are. Returns the axes.
+    """
     body = V.body
     ax = ax or pyplot().subplots(layout="constrained")[1]
     vertices, elements = mesh_arrays(body.mesh)
     enriched = [dof for dof, _ in map(V.Heaviside, range(V.num_heaviside)) if dof < len(vertices)]  # dof i of P_k is vertex i
+    count = np.isin(elements, enriched).sum(axis=1)
+    if count.any():
+        ax.tripcolor(*vertices.T, elements[count > 0], facecolors=np.where(count == 3, 2.0, 1.0)[count > 0], cmap="Blues", vmin=0, vmax=6)
     ax.triplot(*vertices.T, elements, color="0.7", linewidth=0.5)
     ax.plot(*vertices[enriched].T, "o", color="tab:blue", markerfacecolor="none", markersize=5, label="Heaviside function")
     for i, crack in enumerate(body.cracks):
@@ -124,10 +152,18 @@ def save_vtk(solution, path):
     return str(path)
 
 
-def draw(solution, **options):
-    """ngsolve.webgui.Draw of the displacement on the deformed split mesh; options go there, such as scale=1 or filename="u.html"."""
+def draw(solution, field=None, scale=None, **options):
+    """ngsolve.webgui.Draw of a field on the deformed split mesh, the lips drawn as edges.
+
+    field: CoefficientFunction such as `solution.u` or `solution.stress[1, 1]`; by default the von Mises stress.
+    scale: of the displacement; by default the largest is 5 % of the body's size.
+    options: of ngsolve.webgui.Draw, such as filename="u.html", min=0, max=1, settings={"Objects": {"Wireframe": True}}.
+    """
     from ngsolve.webgui import Draw
 
     split, u = split_displacement(solution)
-    displacement = split.GridFunction(u)
-    return Draw(displacement, split.mesh, "displacement", **{"deformation": displacement, "scale": visible_scale(split, u), "order": 1} | options)
+    values, (low, high) = shown_values(solution, split, field)
+    scale = visible_scale(split, u) if scale is None else scale
+    defaults = {"order": 1, "autoscale": False, "min": float(low), "max": float(high), "settings": {"Objects": {"Wireframe": False}}}
+    # scaled here: Draw applies its own scale to no deformation that is a function
+    return Draw(split.GridFunction(values), split.mesh, "field", deformation=split.GridFunction(scale * u), **defaults | options)

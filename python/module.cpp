@@ -14,8 +14,8 @@ void ExportSolver (py::module & m);
 PYBIND11_MODULE(_ngsxfem_contact, m)
 {
   py::module::import("ngsolve");
+  ExportMeasures(m);  // first: the signatures of the others name its class
   ExportGeometry(m);
-  ExportMeasures(m);
   ExportSpaces(m);
   ExportSolver(m);
 }

@@ -1,5 +1,6 @@
 """Pictures and VTK show the crack open."""
 
+import base64
 import builtins
 import re
 import xml.etree.ElementTree as ElementTree
@@ -10,7 +11,7 @@ import pytest
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, LinearForm, Mesh
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, Strain, TipEnrichment, plotting
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, Strain, TipEnrichment, plotting, split_mesh
 from ngsxfem_contact.spaces import crack_points
 from ngsxfem_contact.split_mesh import SplitMesh
 
@@ -91,6 +92,21 @@ def test_profile_shades_the_contact_zone(solution, pyplot):
     for ax in (pressure, gap):
         zone = ax.collections[0].get_paths()[0].get_extents()
         assert (zone.x0, zone.x1) == pytest.approx((0.1, 0.3), abs=0.003)
+
+
+def test_profile_of_chosen_quantities(solution, pyplot):
+    slip, shear = plotting.plot_profile(solution, quantities=("slip", "shear"))
+    assert (slip.get_ylabel(), shear.get_ylabel()) == ("slip $g_t$", "tangential stress $\\sigma_t$")
+    with pytest.raises(KeyError):
+        plotting.plot_profile(solution, quantities=("opening",))
+
+
+def test_body_is_coloured_by_a_field(solution, pyplot):
+    stress = MATERIAL.Stress(Strain(solution.u))[1, 1]
+    ax = plotting.plot_body(solution, field=stress, label="σ_yy")
+    split, _ = plotting.split_displacement(solution)
+    assert np.allclose(ax.collections[0].get_array(), split.EvaluateInside(stress).ravel())
+    assert [a.get_ylabel() for a in ax.figure.axes if a is not ax] == ["σ_yy"]
 
 
 def test_profile_of_an_open_crack_has_no_contact_zone(solution, pyplot):
@@ -176,7 +192,63 @@ def test_interrupted_vtk_leaves_the_old_file(solution, tmp_path, monkeypatch):
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("body.vtu", "before")]
 
 
-def test_draw_writes_the_deformed_body(solution, tmp_path):
+def webgui_points(data):
+    """Corners (M, 3, 3) and values (M, 3) of what webgui is told to draw."""
+    arrays = [np.frombuffer(base64.b64decode(part), np.float32).reshape(-1, 4) for part in data["Bezier_trig_points"]]
+    points = np.stack(arrays, axis=1).astype(float)
+    return points[..., :3], points[..., 3]
+
+
+def lips(solution, s, scale):
+    """The points (n, 2) of the deformed plus and minus lip at arc lengths s."""
+    points, undeformed = crack_points(solution.body, 0, s), np.column_stack([s, np.full(len(s), 0.013)])
+    return [undeformed + scale * side(solution.u)(points) for side in (Plus, Minus)]
+
+
+def covered(triangles, points):
+    """Which points (n, 2) lie in one of the triangles (M, 3, 2) at least."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    sides = [split_mesh.cross(q - p, points[:, None] - p) for p, q in ((a, b), (b, c), (c, a))]
+    return (np.min(sides, axis=0) >= 0).any(axis=1)
+
+
+def test_draw_shows_the_crack_open(solution):
+    """No triangle lies between the lips, every other place is covered; colours are the one-sided stresses."""
     pytest.importorskip("webgui_jupyter_widgets")
-    plotting.draw(solution, filename=str(tmp_path / "u.html"))
-    assert (tmp_path / "u.html").stat().st_size > 10000
+    data = plotting.draw(solution, scale=0.1).GetData()
+    points, values = webgui_points(data)
+    plus, minus = lips(solution, np.linspace(0.01, 0.45, 12), 0.1)
+    drawn = points[..., :2]
+    opposite = split_mesh.cross(drawn[:, 1] - drawn[:, 0], drawn[:, 2] - drawn[:, 0]) < 0
+    drawn[opposite] = drawn[opposite, ::-1]
+    across = (plus - minus) / np.linalg.norm(plus - minus, axis=1, keepdims=True)
+    assert not covered(drawn, np.concatenate([(1 - t) * plus + t * minus for t in (0.1, 0.5, 0.9)])).any()
+    assert covered(drawn, np.concatenate([plus + 0.01 * across, minus - 0.01 * across, [(0.7, 0.1)]])).all()
+    exact = plotting.split_displacement(solution)[0].EvaluateInside(plotting.von_mises(MATERIAL, Strain(solution.u)))
+    assert np.sort(values.ravel()) == pytest.approx(np.sort(exact.ravel()), rel=1e-4, abs=1e-6)
+    assert (data["funcmin"], data["funcmax"]) == pytest.approx(np.quantile(exact, (0.02, 0.98)))
+
+
+def test_draw_of_a_field_writes_a_page(solution, tmp_path):
+    pytest.importorskip("webgui_jupyter_widgets")
+    plotting.draw(solution, field=solution.u, filename=str(tmp_path / "u.html"))
+    assert '"funcdim": 2' in (tmp_path / "u.html").read_text(encoding="utf-8")
+
+
+def background(ax, x, y):
+    """Which points of the plane are white in the picture of these axes."""
+    figure = ax.figure
+    figure.canvas.draw()
+    image = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+    columns, rows = ax.transData.transform(np.column_stack([x, y])).astype(int).T
+    return (image[image.shape[0] - 1 - rows, columns] == 255).all(axis=1)
+
+
+def test_picture_shows_the_opening(solution, pyplot):
+    """The pixels themselves: white between the lips, none of it in the uncracked part."""
+    ax = plotting.plot_body(solution, ax=pyplot.figure(figsize=(6, 6), dpi=150).gca(), scale=0.1)
+    plus, minus = lips(solution, np.linspace(0.02, 0.3, 8), 0.1)
+    assert background(ax, *np.concatenate([(1 - t) * plus + t * minus for t in (0.3, 0.5, 0.7)]).T).all()
+    assert not background(ax, *np.concatenate([plus + (0, 0.05), minus - (0, 0.05)]).T).any()
+    ahead = np.linspace(-0.1, 0.15, 200)
+    assert not background(ax, 0 * ahead + 0.7, ahead).any()

@@ -1,5 +1,6 @@
-"""Every tutorial runs from start to end, away from the source tree and without a display."""
+"""Every tutorial runs from start to end, away from the source tree and without a display, and ends in a check."""
 
+import ast
 import os
 import subprocess
 import sys
@@ -7,13 +8,14 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("matplotlib")
 TUTORIALS = sorted((Path(__file__).resolve().parents[1] / "tutorials").glob("*.py"))
 
 
-def user_code(path):
-    """The lines of code beside imports."""
-    lines = [line.strip() for line in path.read_text(encoding="utf-8").splitlines()]
-    return [line for line in lines if line and not line.startswith(("#", "import ", "from "))]
+def cells(path):
+    """The code of the cells of a script in jupytext's percent format; text is left out."""
+    parts = path.read_text(encoding="utf-8").split("\n# %%")
+    return [part.partition("\n")[2] for part in parts if not part.partition("\n")[0].endswith("[markdown]")]
 
 
 @pytest.mark.parametrize("path", TUTORIALS, ids=lambda path: path.name)
@@ -21,19 +23,21 @@ def test_tutorial(path, tmp_path):
     environment = os.environ | {"MPLBACKEND": "Agg", "NGS_NUM_THREADS": "1"}
     run = subprocess.run([sys.executable, str(path)], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
-    assert "converged        True" in run.stdout
 
 
 def test_there_are_tutorials():
-    assert {"first_crack.py", "open_form.py"} <= {path.name for path in TUTORIALS}
+    assert [path.name[:2] for path in TUTORIALS] == [f"{i}_" for i in range(1, len(TUTORIALS) + 1)]
 
 
 def test_the_first_crack_takes_few_lines():
-    (first,) = (path for path in TUTORIALS if path.name == "first_crack.py")
-    assert len(user_code(first)) <= 15
+    """From the mesh to the solution: statements, one a line."""
+    (code,) = (cell for cell in cells(TUTORIALS[0]) if "Solve()" in cell)
+    statements = ast.parse(code).body
+    assert len(statements) <= 15 and code.count("\n") <= len(statements) + 1
 
 
 @pytest.mark.parametrize("path", TUTORIALS, ids=lambda path: path.name)
 def test_tutorial_checks_its_answer(path):
-    assert any(line.startswith("assert ") for line in user_code(path))
-    assert path.read_text(encoding="utf-8").startswith("# %%")
+    """The last cell measures something and asserts it."""
+    assert any(isinstance(statement, ast.Assert) for statement in ast.parse(cells(path)[-1]).body)
+    assert path.read_text(encoding="utf-8").startswith("# %% [markdown]\n# # ")

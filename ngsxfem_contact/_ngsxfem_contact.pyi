@@ -1,0 +1,383 @@
+# By tools/stubs.py.
+
+from __future__ import annotations
+import collections.abc
+import ngsolve.comp
+import ngsolve.fem
+import numpy
+import pyngcore.pyngcore
+import typing
+
+__all__: list[str] = [
+    "Crack",
+    "CrackEnd",
+    "CrackFESpace",
+    "CrackedMesh",
+    "CutDifferentialSymbol",
+    "CutOff",
+    "Degeneracy",
+    "ElementKind",
+    "ElementLocation",
+    "EndKind",
+    "MeshTraceBasis",
+    "NodalTraceBasis",
+    "Piece",
+    "Side",
+    "Tip",
+    "TipBasis",
+    "TipSpec",
+    "TraceBasis",
+    "TraceSpace",
+    "Variation",
+]
+
+class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
+    def Points(self, order: int) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+        """
+        Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order.
+        """
+
+    def __call__(
+        self,
+        definedon: ngsolve.comp.Region | str | None = None,
+        bonus_intorder: int = 0,
+        definedonelements: pyngcore.pyngcore.BitArray | None = None,
+        crack: int | None = None,
+        nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
+    ) -> CutDifferentialSymbol:
+        """
+        The same measure, restricted to a region or to elements or to one crack, with higher order, or with rules on the cracks divided at arc lengths (one list for each crack).
+        """
+
+    def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
+
+class Side:
+    """
+    The side of a crack: Plus to the left of its direction of travel, Minus to the right.
+
+    Members:
+
+      Minus
+
+      Plus
+    """
+
+    Minus: typing.ClassVar[Side]
+    Plus: typing.ClassVar[Side]
+    __members__: typing.ClassVar[dict[str, Side]]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class Crack:
+    """
+    An oriented polyline; its normal points to the left of the direction of travel, from the minus to the plus side.
+    """
+
+    def ArcLength(self, point: tuple[float, float]) -> float:
+        """
+        Arc length of the nearest point of the crack.
+        """
+
+    def PointAt(self, s: float) -> tuple[float, float]:
+        """
+        The point at arc length s.
+        """
+
+    def SideOf(self, point: tuple[float, float]) -> Side: ...
+    def __init__(self, points: collections.abc.Sequence[tuple[float, float]]) -> None: ...
+    @property
+    def length(self) -> float: ...
+    @property
+    def points(self) -> list[tuple[float, float]]: ...
+
+class ElementKind:
+    """
+    How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.
+
+    Members:
+
+      Uncut
+
+      Cut
+
+      Tip
+
+      Aligned
+    """
+
+    Aligned: typing.ClassVar[ElementKind]
+    Cut: typing.ClassVar[ElementKind]
+    Tip: typing.ClassVar[ElementKind]
+    Uncut: typing.ClassVar[ElementKind]
+    __members__: typing.ClassVar[dict[str, ElementKind]]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class Degeneracy:
+    @property
+    def along_edge(self) -> bool: ...
+    @property
+    def kink_inside(self) -> bool: ...
+    @property
+    def through_vertex(self) -> bool: ...
+    @property
+    def tip_on_edge(self) -> bool: ...
+    @property
+    def tip_on_vertex(self) -> bool: ...
+
+class Piece:
+    @property
+    def side(self) -> Side: ...
+    @property
+    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]: ...
+
+class ElementLocation:
+    @property
+    def arclength(self) -> tuple[float, float]: ...
+    @property
+    def area_minus(self) -> float: ...
+    @property
+    def area_plus(self) -> float: ...
+    @property
+    def degeneracy(self) -> Degeneracy: ...
+    @property
+    def element(self) -> int: ...
+    @property
+    def h(self) -> float:
+        """
+        longest edge
+        """
+
+    @property
+    def kind(self) -> ElementKind: ...
+    @property
+    def larger(self) -> Side: ...
+    @property
+    def pieces(self) -> list[Piece]: ...
+    @property
+    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]: ...
+
+class EndKind:
+    """
+    An end of a crack: a Tip inside the body or a Mouth on its boundary.
+
+    Members:
+
+      Tip
+
+      Mouth
+    """
+
+    Mouth: typing.ClassVar[EndKind]
+    Tip: typing.ClassVar[EndKind]
+    __members__: typing.ClassVar[dict[str, EndKind]]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class CrackEnd:
+    @property
+    def kind(self) -> EndKind: ...
+    @property
+    def point(self) -> tuple[float, float]: ...
+    @property
+    def s(self) -> float: ...
+
+class Tip:
+    """
+    A crack end inside the body: point, crack number, direction ahead, and the clearance that a disk of singular functions has.
+    """
+
+    @property
+    def ahead(self) -> tuple[float, float]: ...
+    @property
+    def clearance(self) -> float: ...
+    @property
+    def crack(self) -> int: ...
+    @property
+    def limit(self) -> str: ...
+    @property
+    def point(self) -> tuple[float, float]: ...
+    @property
+    def s(self) -> float: ...
+
+class CrackedMesh:
+    """
+    A mesh with cracks. dx: Omega without the cracks; ds: its boundary, both sides at a mouth; dcrack: the cracks; dlarger: the larger part of each element that a crack meets.
+    """
+
+    def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
+        """
+        BitArray of the elements that carry a part of a crack (None: of any).
+        """
+
+    def CutBoundaryElements(self, crack: int) -> list[int]: ...
+    def Elements(self, crack: int) -> list[ElementLocation]:
+        """
+        The elements that a crack meets.
+        """
+
+    def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]: ...
+    def MeshNodes(self, crack: int, kinks: bool) -> list[float]:
+        """
+        Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).
+        """
+
+    def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple:
+        """
+        Element numbers and reference coordinates of points on a crack.
+        """
+
+    def __init__(self, mesh: ngsolve.comp.Mesh, *args) -> None: ...
+    @property
+    def cracks(self) -> list[Crack]: ...
+    @property
+    def dcrack(self) -> CutDifferentialSymbol: ...
+    @property
+    def dlarger(self) -> CutDifferentialSymbol: ...
+    @property
+    def ds(self) -> CutDifferentialSymbol: ...
+    @property
+    def dx(self) -> CutDifferentialSymbol: ...
+    @property
+    def mesh(self) -> ngsolve.comp.Mesh: ...
+    @property
+    def normal(self) -> ngsolve.fem.CoefficientFunction: ...
+    @property
+    def tangent(self) -> ngsolve.fem.CoefficientFunction: ...
+    @property
+    def tips(self) -> list[Tip]: ...
+
+class CutOff:
+    """
+    Members:
+
+      cubic
+
+      quintic
+    """
+
+    __members__: typing.ClassVar[dict[str, CutOff]]
+    cubic: typing.ClassVar[CutOff]
+    quintic: typing.ClassVar[CutOff]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class TipBasis:
+    """
+    Members:
+
+      branch
+
+      modes
+    """
+
+    __members__: typing.ClassVar[dict[str, TipBasis]]
+    branch: typing.ClassVar[TipBasis]
+    modes: typing.ClassVar[TipBasis]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class TipSpec:
+    def __init__(self, basis: TipBasis, cutoff: CutOff, r0: float, r1: float, kappa: float, mu: float) -> None: ...
+    @property
+    def basis(self) -> TipBasis: ...
+    @property
+    def cutoff(self) -> CutOff: ...
+    @property
+    def kappa(self) -> float: ...
+    @property
+    def mu(self) -> float: ...
+    @property
+    def r0(self) -> float: ...
+    @property
+    def r1(self) -> float: ...
+
+class CrackFESpace(ngsolve.comp.FESpace):
+    def Heaviside(self, j: int) -> tuple[int, int]:
+        """
+        Number i of the j-th enriched function phi_i, and its shift s_i.
+        """
+
+    def HeavisideDof(self, j: int, component: int) -> int: ...
+    def HeavisideSide(self, j: int, element: int) -> int: ...
+    def TipDofs(self, tip: int) -> list[int]: ...
+    def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **kwargs) -> None: ...
+    @property
+    def body(self) -> CrackedMesh: ...
+    @property
+    def num_heaviside(self) -> int: ...
+    @property
+    def order(self) -> int: ...
+    @property
+    def scalar_space(self) -> ngsolve.comp.FESpace:
+        """
+        The space of the functions phi_i.
+        """
+
+    @property
+    def tip_specs(self) -> list[TipSpec | None]: ...
+
+class TraceSpace(ngsolve.comp.FESpace):
+    def __init__(self, body: CrackedMesh, basis: TraceBasis, order: int) -> None: ...
+    @property
+    def basis(self) -> TraceBasis: ...
+    @property
+    def body(self) -> CrackedMesh: ...
+    @property
+    def dcrack(self) -> CutDifferentialSymbol:
+        """
+        The measure on the cracks, its rules divided at the nodes of this space.
+        """
+
+    @property
+    def order(self) -> int: ...
+
+class TraceBasis:
+    @property
+    def ndof(self) -> int: ...
+    @property
+    def nodes(self) -> list[list[float]]: ...
+
+class NodalTraceBasis(TraceBasis):
+    def DofPositions(self, crack: int) -> list[float]: ...
+    def __init__(self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]]) -> None: ...
+
+class MeshTraceBasis(TraceBasis):
+    def __init__(
+        self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
+    ) -> None: ...
+
+def Variation(form: ngsolve.comp.SumOfIntegrals) -> ngsolve.comp.SumOfIntegrals:
+    """
+    An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve.
+    """

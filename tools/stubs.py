@@ -1,0 +1,42 @@
+"""Writes ngsxfem_contact/_ngsxfem_contact.pyi, the types of the extension, from the extension that is installed.
+
+    python tools/stubs.py [folder]         needs pybind11-stubgen and ruff, `make stubs` brings both
+"""
+
+import ast
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+NAME = "_ngsxfem_contact"
+TYPES = {"pyngcore.pyngcore.BitArray = None": "pyngcore.pyngcore.BitArray | None = None", "typing.SupportsInt | typing.SupportsIndex": "int", "typing.SupportsFloat | typing.SupportsIndex": "float"}
+LEFT_OUT = {"__getstate__", "__setstate__", "__flags_doc__", "__eq__", "__ne__", "__hash__", "__str__", "__repr__"}  # those of every object
+
+
+class Shortened(ast.NodeTransformer):
+    """Without what every Python object has."""
+
+    def visit_FunctionDef(self, node):
+        return None if node.name in LEFT_OUT else node
+
+
+def generated():
+    """What pybind11-stubgen writes."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "pybind11_stubgen", f"ngsxfem_contact.{NAME}", "-o", folder]
+        subprocess.run(command, check=True, capture_output=True)
+        return Path(folder, "ngsxfem_contact", f"{NAME}.pyi").read_text(encoding="utf-8")
+
+
+def shortened(text):
+    for long, short in TYPES.items():
+        text = text.replace(long, short)
+    text = ast.unparse(Shortened().visit(ast.parse(text)))
+    command = [sys.executable, "-m", "ruff", "format", "--isolated", "--line-length", "160", "--stdin-filename", "stub.pyi", "-"]
+    return subprocess.run(command, input=text, check=True, capture_output=True, text=True).stdout
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1] / "ngsxfem_contact"
+    (folder / f"{NAME}.pyi").write_text("# By tools/stubs.py.\n\n" + shortened(generated()), encoding="utf-8")
