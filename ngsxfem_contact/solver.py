@@ -11,7 +11,7 @@ from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
 from .friction import transformation
 from .report import Report, Stopwatch
-from .solution import ContactSolution
+from .solution import ContactSolution, Increment
 
 TINY = np.finfo(float).tiny
 
