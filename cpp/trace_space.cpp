@@ -186,15 +186,16 @@ namespace ngsxfem_contact
     return positions;
   }
 
-  /// First and last (excluded) interval that meets the element.
+  /// First and last (excluded) interval that meets the element. Intervals are longer than 4 tolerances (MeshNodes), chords
+  /// longer than one; an end of a chord lies on a node or less than 4 tolerances behind it.
   std::pair<size_t,size_t> NodalTraceBasis :: Intervals (size_t element) const
   {
     auto location = body->Find(element);
     size_t c = body->CrackOf(element);
-    double tolerance = 8*body->Location(c).Tolerance();
+    double tolerance = body->Location(c).Tolerance();
     auto & s = nodes[c];
-    size_t lo = std::upper_bound(s.begin(), s.end(), location->S0()+tolerance) - s.begin() - 1;
-    size_t hi = std::lower_bound(s.begin(), s.end(), location->S1()-tolerance) - s.begin();
+    size_t lo = std::upper_bound(s.begin(), s.end(), location->S0()+0.5*tolerance) - s.begin() - 1;
+    size_t hi = std::lower_bound(s.begin(), s.end(), location->S1()-4.001*tolerance) - s.begin();
     lo = std::min(lo, s.size()-2);
     return { lo, std::max(hi, lo+1) };
   }

@@ -3,6 +3,7 @@
 from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
 from ._ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind, Side, Variation
 from .checks import Coercivity, InfSup
+from .conditioning import ConditionNumber, CrackScaling
 from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
 from .friction import Coulomb, Tresca

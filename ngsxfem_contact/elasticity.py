@@ -1,9 +1,10 @@
 """Isotropic linear elasticity in the plane: (1) of [AHLMR12]."""
 
+import re
 from dataclasses import dataclass
 from math import isfinite
 
-from ngsolve import Id, Trace
+from ngsolve import VOL, ElementId, Id, Trace
 
 
 def check_engineering_constants(E, nu, limit):
@@ -12,11 +13,25 @@ def check_engineering_constants(E, nu, limit):
         raise ValueError(f"E={E}, nu={nu}: Young's modulus must be positive, Poisson's ratio between -1 and {limit}")
 
 
+class Isotropic:
+    """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu."""
+
+    @property
+    def kappa(self):
+        """Kolosov's constant: 3 - 4ν in plane strain, (3 - ν)/(1 + ν) in plane stress."""
+        return (self.lam + 3 * self.mu) / (self.lam + self.mu)
+
+    def Stress(self, strain):
+        """The 2 × 2 stress of a 2 × 2 strain (a CoefficientFunction of NGSolve)."""
+        return self.lam * Trace(strain) * Id(2) + 2 * self.mu * strain
+
+
 @dataclass(frozen=True)
-class Elasticity:
+class Elasticity(Isotropic):
     """σ = lam tr(ε) I + 2 mu ε, the stress in the unit of lam and mu.
 
     lam, mu: Lamé's coefficients λ_L, μ_L of plane strain (for plane stress use PlaneStress).
+    Several materials in one body: Elasticity.ByRegion(mesh, {"steel": Elasticity(...), "rubber": Elasticity(...)}).
     Raises ValueError unless mu > 0 and lam + mu > 0: the energy would not be positive.
     """
 
@@ -44,11 +59,43 @@ class Elasticity:
         check_engineering_constants(E, nu, 1)
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)))
 
-    @property
-    def kappa(self):
-        """Kolosov's constant: 3 - 4ν in plane strain, (3 - ν)/(1 + ν) in plane stress."""
-        return (self.lam + 3 * self.mu) / (self.lam + self.mu)
+    @staticmethod
+    def ByRegion(mesh, materials):
+        """One Elasticity for each region of the mesh: a RegionElasticity."""
+        return RegionElasticity(mesh, materials)
 
-    def Stress(self, strain):
-        """The 2 × 2 stress of a 2 × 2 strain (a CoefficientFunction of NGSolve)."""
-        return self.lam * Trace(strain) * Id(2) + 2 * self.mu * strain
+    def At(self, mesh, point):
+        """The Elasticity at a point: this one."""
+        return self
+
+
+class RegionElasticity(Isotropic):
+    """Different Lamé coefficients in the regions (materials) of a mesh; lam and mu are CoefficientFunctions.
+
+    materials: {name of a region, or a regular expression: Elasticity}.
+    Raises ValueError unless each region of the mesh is matched by exactly one name, and each name matches a region.
+    """
+
+    def __init__(self, mesh, materials):
+        for name, material in materials.items():
+            if not isinstance(material, Elasticity):
+                raise TypeError(f"Elasticity.ByRegion: {name!r} has the material {material!r}, which is not an Elasticity")
+        names = mesh.GetMaterials()
+        matches = {region: [name for name in materials if re.fullmatch(name, region)] for region in names}
+        for region, found in matches.items():
+            if len(found) != 1:
+                raise ValueError(f"Elasticity.ByRegion: region {region!r} of the mesh is matched by {found or 'no name'}; give it exactly one material of {sorted(materials)}")
+        unused = set(materials) - {name for found in matches.values() for name in found}
+        if unused:
+            raise ValueError(f"Elasticity.ByRegion: {sorted(unused)} match no region; the mesh has {sorted(set(names))}")
+        self.regions = [materials[matches[region][0]] for region in names]
+        by_name = dict(zip(names, self.regions))
+        self.lam = mesh.MaterialCF({name: material.lam for name, material in by_name.items()})
+        self.mu = mesh.MaterialCF({name: material.mu for name, material in by_name.items()})
+
+    def At(self, mesh, point):
+        """The Elasticity of the region that contains a point; on an interface that of either side."""
+        return self.regions[mesh[ElementId(VOL, mesh(*map(float, point)).nr)].index]
+
+    def __repr__(self):
+        return f"RegionElasticity({self.regions})"

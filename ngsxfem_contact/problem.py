@@ -7,7 +7,7 @@ from scipy.sparse.linalg import splu
 
 from . import _ngsxfem_contact as core
 from .cones import CONES
-from .elasticity import Elasticity
+from .elasticity import Isotropic
 from .friction import Friction, Frictionless
 from .operators import Strain
 from .solver import solve
@@ -19,15 +19,17 @@ COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
 
 def check_modes(V, material):
     """Raises ValueError if V has tip modes of another material: their lips would carry tractions."""
-    for spec in V.tip_specs:
-        if spec is not None and spec.basis == core.TipBasis.modes and not np.allclose((spec.kappa, spec.mu), (material.kappa, material.mu), rtol=1e-12):
-            raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {material}; pass the same to TipEnrichment(material=...)")
+    for tip, spec in zip(V.body.tips, V.tip_specs):
+        if spec is not None and spec.basis == core.TipBasis.modes:
+            here = material.At(V.mesh, tip.point)
+            if not np.allclose((spec.kappa, spec.mu), (here.kappa, here.mu), rtol=1e-12):
+                raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {here}; pass the same to TipEnrichment(material=...)")
 
 
 class ContactProblem:
     """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
 
-    V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity.
+    V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity, or Elasticity.ByRegion(...).
     stabilisation: BarbosaHughes(...) (default: chooses γ itself), or None.
     cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
@@ -44,7 +46,7 @@ class ContactProblem:
             raise ValueError(f"ContactProblem: cone={cone!r} is not one of {sorted(CONES)}")
         if not isinstance(gap, CoefficientFunction) and not 0 <= gap < float("inf"):
             raise ValueError(f"ContactProblem: gap={gap} must be a finite number >= 0 (the faces do not overlap at first)")
-        if not isinstance(material, Elasticity):
+        if not isinstance(material, Isotropic):
             raise TypeError(f"ContactProblem: material={material!r} is not an Elasticity")
         if stabilisation is not None and not hasattr(stabilisation, "Gamma"):
             raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")

@@ -145,7 +145,7 @@ class ContactSolution:
 
     def _extrapolated_intensity(self, tip, n=40):
         """Least squares of jump/√r = A + B r over half an element to eight elements behind the tip; K from A."""
-        crack, material = self.body.cracks[tip.crack], self.problem.material
+        crack, material = self.body.cracks[tip.crack], self.problem.material.At(self.body.mesh, tip.point)
         h = next(l.h for l in self.body.Elements(tip.crack) if min(abs(s - tip.s) for s in l.arclength) <= 1e-9 * crack.length)
         r = np.linspace(0.5 * h, min(8 * h, 0.5 * crack.length), n)
         points = crack_points(self.body, tip.crack, np.abs(tip.s - r))

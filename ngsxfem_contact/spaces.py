@@ -8,16 +8,18 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigsh
 
 from . import _ngsxfem_contact as core
-from .elasticity import Elasticity
+from .elasticity import Isotropic
+from .tip_disk import largest_disk
 
 
 @dataclass(frozen=True)
 class TipEnrichment:
     """χ F_j at a tip: the singular functions and the cut-off χ = 1 for r ≤ r0, 0 for r ≥ r1.
 
-    r1: default 0.9 × the tip's clearance, see `body.tips`.    r0: default r1 / 50.
+    r1: default 0.9 × the largest possible radius: the tip's clearance (see `body.tips`), and the distance to curved
+        elements and, for the modes, to other materials.    r0: default r1 / 50.
     cutoff: "quintic" (χ is C²) or "cubic" (C¹).
-    material: with an Elasticity the two vector modes of unit K_I and K_II, whose coefficients are the stress
+    material: with an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress
         intensity factors and whose lips are free of traction: 2 unknowns for each tip. Without one, the four scalar
         functions (8) of [AHLMR12] in each component: 8 unknowns.
     functions: "modes" or "branch" to choose explicitly.
@@ -28,7 +30,7 @@ class TipEnrichment:
     r0: float | None = None
     r1: float | None = None
     cutoff: str = "quintic"
-    material: Elasticity | None = None
+    material: Isotropic | None = None
     functions: str | None = None
     tolerance: float = 1e-4
 
@@ -42,13 +44,17 @@ class TipEnrichment:
         if self.functions == "modes" and self.material is None:
             raise ValueError("TipEnrichment: functions='modes' needs material=Elasticity(...), which the modes depend on")
 
-    def Spec(self, tip):
-        """What the space needs to know at one tip of `body.tips`."""
-        r1 = 0.9 * tip.clearance if self.r1 is None else self.r1
-        r0 = r1 / 50 if self.r0 is None else self.r0
+    def Spec(self, body, tip):
+        """What the space needs to know at one tip of `body.tips`. Raises ValueError for a disk that does not fit."""
         modes = self.material is not None and self.functions != "branch"
+        radius, limit = largest_disk(body, tip, self.material if modes else None)
+        r1 = 0.9 * radius if self.r1 is None else self.r1
+        if radius < tip.clearance and not 0 < r1 <= (1 + 1e-10) * radius:
+            raise ValueError(f"TipEnrichment: the disk r1 = {r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}) reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or tip=None")
+        r0 = r1 / 50 if self.r0 is None else self.r0
         basis = core.TipBasis.modes if modes else core.TipBasis.branch
-        kappa, mu = (self.material.kappa, self.material.mu) if modes else (0, 1)
+        here = self.material.At(body.mesh, tip.point) if modes else None
+        kappa, mu = (here.kappa, here.mu) if modes else (0, 1)
         return core.TipSpec(basis, core.CutOff.__members__[self.cutoff], r0, r1, kappa, mu)
 
 
@@ -71,7 +77,7 @@ class CrackFESpace(core.CrackFESpace):
             raise ValueError(f"CrackFESpace: order={order} must be 1 or more")
         check_regions(body.mesh, dirichlet, "dirichlet")
         tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
-        specs = [enrichment and enrichment.Spec(place) for enrichment, place in zip(tips, body.tips)]
+        specs = [enrichment and enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
         tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)

@@ -19,7 +19,7 @@ PYTHON_FILES = sorted(PACKAGE.glob("*.py"))
 GEOMETRY = {"crack", "element_location", "cut_rule", "cracked_mesh"}
 SPACES = {"tip_functions", "crack_element", "diffops", "crack_fespace", "crack_bilinearform", "trace_space", "cut_integral"}
 MATRICES = {"bordered_matrix", "schur_complement"}
-FORMS = {"spaces", "operators", "elasticity"}
+FORMS = {"spaces", "operators", "elasticity", "tip_disk"}
 SOLVING = {"problem", "solver", "solution", "stabilisation"}
 RESULTS = {"solution", "plotting", "closed_forms", "paper"}
 

@@ -1,0 +1,47 @@
+"""The scaling of matrices on a CrackFESpace: their condition number does not depend on where cracks cut (docs/conditioning.md).
+
+Functions ½(H - s_i) φ_i of P_k, k ≥ 2, that live on the same sliver are nearly dependent, so a diagonal scaling is not
+enough. All Heaviside unknowns together are one block, orthonormalised by its own sparse factorisation (it is as
+large as the crack is long), the tips' unknowns are another; each φ_i is scaled by itself.
+"""
+
+from ngsolve import BitArray
+from ngsolve.la import EigenValues_Preconditioner
+
+from .checks import check_rigid_motions
+
+
+def CrackScaling(matrix, V, free=None):
+    """The inverse of the block diagonal part, an NGSolve matrix: a preconditioner, or with S Sᵀ equal to it the scaling Sᵀ A S.
+
+    matrix: symmetric positive definite, of a form on V (K - K_γ, a mass matrix).    free: default V.FreeDofs().
+    """
+    others = BitArray(V.FreeDofs() if free is None else free)
+    blocks = []
+    for dofs in scaling_blocks(V):
+        block = BitArray(V.ndof)
+        block.Clear()
+        for dof in dofs:
+            if others[dof]:
+                block.Set(dof)
+                others.Clear(dof)
+        if block.NumSet():
+            blocks.append(matrix.Inverse(block, inverse="sparsecholesky"))
+    return sum(blocks, start=matrix.CreateSmoother(others))
+
+
+def scaling_blocks(V):
+    """The unknowns of the Heaviside functions, and those of the tips."""
+    first = 2 * V.scalar_space.ndof
+    return range(first, first + 2 * V.num_heaviside), range(first + 2 * V.num_heaviside, V.ndof)
+
+
+def ConditionNumber(problem):
+    """Of K - K_γ after CrackScaling, on the free unknowns of a ContactProblem; by Lanczos, to a few per cent.
+
+    Raises SingularSystem if rigid motions are left free.
+    """
+    check_rigid_motions(problem)
+    matrix = problem.Assemble().stiffness
+    values = EigenValues_Preconditioner(mat=matrix, pre=CrackScaling(matrix, problem.V, problem.free), tol=1e-8)
+    return float(max(values) / min(values))
