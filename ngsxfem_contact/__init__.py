@@ -5,6 +5,7 @@ from ._ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind, Side, Va
 from .checks import Coercivity, InfSup
 from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
+from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 from .friction import Coulomb, Tresca
 from .interpolation import Interpolant, Projection
 from .nodal_newton import FixedPoint, FullNewton
