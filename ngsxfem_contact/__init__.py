@@ -7,6 +7,7 @@ from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
 from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 from .friction import Coulomb, Tresca
+from .growth import CrackGrowth, Increment, MaximumHoopStress, Paris, WingCracks
 from .interpolation import Interpolant, Projection
 from .nodal_newton import FixedPoint, FullNewton
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress

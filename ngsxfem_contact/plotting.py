@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from ngsolve import CF, VTKOutput, sqrt
 
+from .files import write_whole
 from .operators import Minus, Plus, Strain
 from .split_mesh import SplitMesh, mesh_arrays
 
@@ -131,3 +132,24 @@ def draw(solution, **options):
     split, u = split_displacement(solution)
     displacement = split.GridFunction(u)
     return Draw(displacement, split.mesh, "displacement", **{"deformation": displacement, "scale": visible_scale(split, u), "order": 1} | options)
+
+
+def animate(solutions, path, titles, scale=None, seconds=0.5):
+    """Writes plot_body of every solution, at one scale, as an animated GIF; returns its name. It appears when it is complete."""
+    plt = pyplot()
+    from matplotlib.animation import PillowWriter
+
+    scale = scale or min(visible_scale(*split_displacement(solution)) for solution in solutions)
+    figure = plt.figure(figsize=(6, 6), layout="constrained")
+
+    def write(temporary):
+        with PillowWriter(fps=1 / seconds).saving(figure, temporary, dpi=80) as frames:
+            for solution, title in zip(solutions, titles):
+                figure.clear()
+                plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
+                frames.grab_frame()
+
+    try:
+        return str(write_whole(Path(path), write))
+    finally:
+        plt.close(figure)
