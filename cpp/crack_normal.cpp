@@ -36,4 +36,17 @@ namespace ngsxfem_contact
       for (int k = 0; k < 2; k++)
         values(k, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane]))(k); });
   }
+
+  double CrackSide :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  {
+    auto x = ip.GetPoint();
+    return int(crack.SideOf(Point(x(0), x(1))));
+  }
+
+  void CrackSide :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  {
+    auto x = mir.GetPoints();
+    for (size_t i = 0; i < mir.Size(); i++)
+      values(0, i) = SIMD<double>([&] (int lane) { return double(int(crack.SideOf(Point(x(i,0)[lane], x(i,1)[lane])))); });
+  }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The unit normal and tangent of the nearest point of Γ_C as coefficient functions.
+// The unit normal and tangent of the nearest point of Γ_C, and the side of a point, as coefficient functions.
 
 #include "cracked_mesh.hpp"
 #include <coefficient.hpp>
@@ -21,4 +21,14 @@ namespace ngsxfem_contact
     Point At (size_t element, Point x) const;
   };
 
+  /// H of one crack: +1 on its plus side, -1 on its minus side.
+  class CrackSide : public ngfem::CoefficientFunctionNoDerivative
+  {
+    Crack crack;
+  public:
+    explicit CrackSide (Crack acrack) : CoefficientFunctionNoDerivative(1), crack(std::move(acrack)) { }
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
+  };
 }

@@ -289,6 +289,21 @@ namespace ngsxfem_contact
     return variation;
   }
 
+  shared_ptr<SumOfIntegrals> InnerIntegrals (const SumOfIntegrals & form, const ngcore::BitArray & elements)
+  {
+    auto inner = make_shared<SumOfIntegrals>();
+    for (auto & integral : form.icfs)
+      if (integral->dx.vb == VOL)
+        {
+          auto restricted = integral->CreateSameIntegralType(integral->cf);
+          auto both = make_shared<ngcore::BitArray>(elements);
+          if (integral->dx.definedonelements) both->And(*integral->dx.definedonelements);
+          restricted->dx.definedonelements = both;
+          inner->icfs += restricted;
+        }
+    return inner;
+  }
+
   std::optional<ngcore::BitArray> CutIntegral :: DefinedOn (const ngcomp::MeshAccess & ma) const
   {
     if (!dx.definedon) return std::nullopt;

@@ -53,4 +53,7 @@ namespace ngsxfem_contact
 
   /// The integrals of a form as energies: their integrators vary them. NGSolve's own Variation would lose the rules.
   shared_ptr<ngfem::SumOfIntegrals> MakeVariation (const ngfem::SumOfIntegrals & form);
+
+  /// The integrals of a form over the body and its cracks, without those over its boundary, on some elements.
+  shared_ptr<ngfem::SumOfIntegrals> InnerIntegrals (const ngfem::SumOfIntegrals & form, const ngcore::BitArray & elements);
 }

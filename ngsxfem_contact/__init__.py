@@ -6,7 +6,9 @@ from .checks import Coercivity, InfSup
 from .conditioning import ConditionNumber, CrackScaling
 from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
+from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 from .friction import Coulomb, Tresca
+from .growth import CrackGrowth, Increment, MaximumHoopStress, Paris, WingCracks
 from .interpolation import Interpolant, Projection
 from .nodal_newton import FixedPoint, FullNewton
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress

@@ -169,9 +169,9 @@ def closed_tip_exponents(smallest=1e-7):
 
 @cache
 def intensity_errors(sizes, realisations=REALISATIONS):
-    """Load B, P2/P1 with modes: means of |K_I| and |K_II - reference|, relative to the reference, (len(sizes), 2)."""
+    """Load B, P2/P1, coefficients of the modes: means of |K_I| and |K_II - reference|, relative to the reference, (len(sizes), 2)."""
     reference = REFERENCE["B"]["K_II"]
-    K = [[paper_problem(varied_mesh(h, i)).Solve().StressIntensity() for i in range(realisations)] for h in sizes]
+    K = [[paper_problem(varied_mesh(h, i)).Solve().StressIntensity(method="modes") for i in range(realisations)] for h in sizes]
     return np.array([np.mean([[abs(k.K_I), abs(k.K_II - reference)] for k in row], axis=0) for row in K]) / abs(reference)
 
 

@@ -12,6 +12,7 @@ from ngsolve import CF, CoefficientFunction, Id, IfPos, InnerProduct, Integrate,
 
 from ._ngsxfem_contact import Crack
 from .operators import Slip
+from .tip_fields import half_angle
 
 
 @dataclass(frozen=True)
@@ -24,14 +25,6 @@ class ClosedForm:
     gap: CoefficientFunction
     shear: CoefficientFunction = CF(0)
     slip: CoefficientFunction | None = None
-
-
-def half_angle(X, Y, r):
-    """√r cos(θ/2), √r sin(θ/2), θ in (-π, π] the angle of (X, Y)."""
-    large = sqrt(0.5 * (r + IfPos(X, X, -X)))
-    small = 0.5 * IfPos(Y, Y, -Y) / large
-    sign = IfPos(-Y, -1, 1)
-    return IfPos(X, large, small), sign * IfPos(X, small, large)
 
 
 def uniform_compression(material, p=1, sigma_xx=0.3):

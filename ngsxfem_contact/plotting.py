@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from ngsolve import CF, VTKOutput, sqrt
 
+from .files import write_whole
 from .operators import Minus, Plus, Strain
 from .split_mesh import SplitMesh, mesh_arrays
 
@@ -167,3 +168,24 @@ def draw(solution, field=None, scale=None, **options):
     defaults = {"order": 1, "autoscale": False, "min": float(low), "max": float(high), "settings": {"Objects": {"Wireframe": False}}}
     # scaled here: Draw applies its own scale to no deformation that is a function
     return Draw(split.GridFunction(values), split.mesh, "field", deformation=split.GridFunction(scale * u), **defaults | options)
+
+
+def animate(solutions, path, titles, scale=None, seconds=0.5):
+    """Writes plot_body of every solution, at one scale, as an animated GIF; returns its name. It appears when it is complete."""
+    plt = pyplot()
+    from matplotlib.animation import PillowWriter
+
+    scale = scale or min(visible_scale(*split_displacement(solution)) for solution in solutions)
+    figure = plt.figure(figsize=(6, 6), layout="constrained")
+
+    def write(temporary):
+        with PillowWriter(fps=1 / seconds).saving(figure, temporary, dpi=80) as frames:
+            for solution, title in zip(solutions, titles):
+                figure.clear()
+                plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
+                frames.grab_frame()
+
+    try:
+        return str(write_whole(Path(path), write))
+    finally:
+        plt.close(figure)

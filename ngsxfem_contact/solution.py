@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
-from . import _ngsxfem_contact as core
+from . import fracture
 from .nodal_newton import FREE
 from .operators import NormalGap, Slip, Strain, TangentialStress
 from .spaces import crack_points
@@ -22,17 +22,6 @@ class CrackProfile:
     slip: np.ndarray
     sigma_n: np.ndarray
     sigma_t: np.ndarray
-
-
-@dataclass
-class StressIntensityFactors:
-    """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip."""
-
-    K_I: float
-    K_II: float
-
-    def __iter__(self):
-        return iter((self.K_I, self.K_II))
 
 
 @dataclass
@@ -128,30 +117,30 @@ class ContactSolution:
         s = np.array(positions[crack])
         return 0.5 * (s[changes] + s[changes + 1])
 
-    def StressIntensity(self, tip=0):
-        """K_I, K_II at a tip of `body.tips`.
+    def StressIntensity(self, tip=0, method="interaction", radius=None):
+        """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).
 
-        With the tip's modes in the space (TipEnrichment(material=...)): their coefficients, with an error of O(h^{1/2})
-        for P1 and O(h) for P2, h the element at the tip; do not grade the mesh to the tip, where the polynomials would
-        take over √r. With the functions (8): extrapolation of the displacement jump (κ+1)/μ √(r/2π) (K_I, K_II) to the tip.
-        Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent.
+        method: "interaction" (default), the interaction integral over disks around the tip, with the body force and the
+            tractions of closed lips; "modes", the coefficients of the space's modes; "jump", extrapolated jumps; or an
+            object with Evaluate(solution, tip): InteractionIntegral, ModeCoefficients, JumpExtrapolation.
+        radius: of the largest disk, in the unit of length; default eight elements, less where there is no room.
+        The crack may bend inside the disk; ∂Ω and other cracks must be outside. The material is the same in the disk, and
+        the load is as it was when the problem was solved.
+        Raises ValueError for a disk that does not fit, for a method that the space does not allow, and for a load on
+        derivatives of the test function.
         """
-        spec = self.problem.V.tip_specs[tip]
-        if spec is None:
-            raise ValueError(f"StressIntensity: the space has no functions at tip {tip}; build it with tip=TipEnrichment(material=material)")
-        if spec.basis == core.TipBasis.modes:
-            return StressIntensityFactors(*(float(self.u.vec[dof]) for dof in self.problem.V.TipDofs(tip)))
-        return self._extrapolated_intensity(self.body.tips[tip])
+        return fracture.stress_intensity(self, tip, method, radius)
 
-    def _extrapolated_intensity(self, tip, n=40):
-        """Least squares of jump/√r = A + B r over half an element to eight elements behind the tip; K from A."""
-        crack, material = self.body.cracks[tip.crack], self.problem.material.At(self.body.mesh, tip.point)
-        h = next(l.h for l in self.body.Elements(tip.crack) if min(abs(s - tip.s) for s in l.arclength) <= 1e-9 * crack.length)
-        r = np.linspace(0.5 * h, min(8 * h, 0.5 * crack.length), n)
-        points = crack_points(self.body, tip.crack, np.abs(tip.s - r))
-        jumps = np.column_stack([f(points).ravel() for f in (NormalGap(self.u, self.body), Slip(self.u, self.body))])
-        A = np.linalg.lstsq(np.column_stack([np.ones(n), r]), jumps / np.sqrt(r)[:, None], rcond=None)[0][0]
-        return StressIntensityFactors(*(float(K) for K in A * np.sqrt(2 * np.pi) * material.mu / (material.kappa + 1)))
+    def EnergyReleaseRate(self, tip=0, radius=None):
+        """G at a tip by the J-integral over disks, and by Irwin from K_I, K_II; see EnergyReleaseRate of `fracture`.
+
+        J is quadratic in u: with P1 on coarse meshes Irwin's value is the better one. Raises as StressIntensity.
+        """
+        return fracture.energy_release_rate(self, tip, radius)
+
+    def PotentialEnergy(self):
+        """Π = ½ a(u, u) - L(u). Without friction G = -dΠ/da, a the length of the crack."""
+        return self.Energy() - InnerProduct(self.problem.f.Assemble().vec, self.u.vec)
 
     def Draw(self, **options):
         """Shows the deformed body with the crack open in a notebook; options as for ngsolve.webgui.Draw."""

@@ -13,6 +13,8 @@ static void ExportCrack (py::module & m)
     .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(s)); }, py::arg("s"), "The point at arc length s.")
     .def("ArcLength", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).s; }, py::arg("point"), "Arc length of the nearest point of the crack.")
     .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(ToPoint(p)); }, py::arg("point"))
+    .def_property_readonly("side", [] (const Crack & c) -> shared_ptr<CoefficientFunction> { return make_shared<CrackSide>(c); },
+                           "H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.")
     .def("__repr__", [] (const Crack & c) { return py::str("Crack({})").format(PointsOf(c)); })
     .def(py::pickle([] (const Crack & c) { return py::make_tuple(PointsOf(c)); },
                     [] (py::tuple state) { return ToCrack(state[0].cast<std::vector<Pair>>()); }));

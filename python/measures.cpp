@@ -37,6 +37,9 @@ void ExportMeasures (py::module & m)
   m.def("Variation", &MakeVariation, py::arg("form"),
         "An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve.");
 
+  m.def("InnerIntegrals", &InnerIntegrals, py::arg("form"), py::arg("elements"),
+        "The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).");
+
   // no shared_ptr holder: the base class is exported without one
   py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol")
     .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),

@@ -22,6 +22,7 @@ MATRICES = {"bordered_matrix", "schur_complement"}
 FORMS = {"spaces", "operators", "elasticity", "tip_disk"}
 SOLVING = {"problem", "solver", "solution", "stabilisation"}
 RESULTS = {"solution", "plotting", "closed_forms", "paper"}
+READING = {"fracture", "tip_fields"}
 
 
 def cpp_includes(path):
@@ -130,6 +131,11 @@ def test_a_form_never_names_a_solver(module):
 @pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "nodal_newton", "friction", "elimination", "pardiso"])
 def test_a_method_never_names_results(module):
     assert not reachable(python_graph(lazy=True), module) & (RESULTS | {"problem", "solver"})
+
+
+@pytest.mark.parametrize("module", sorted(READING))
+def test_what_reads_solutions_solves_nothing(module):
+    assert not reachable(python_graph(lazy=True), module) & {"problem", "solver", "solution"}
 
 
 def test_a_problem_names_no_results_but_what_its_solver_returns():

@@ -1,0 +1,281 @@
+"""Stress intensity factors and energy release rates: section 7 of docs/method.md.
+
+All are values of one symmetric form of two equilibrated fields a, b at a tip with the direction e ahead,
+
+    I(a,b) = -∫ ∇q·M - ∫ q (f_a·∂_e b + f_b·∂_e a) + ∫_{lips} q M·ν,    M = (σ_a:∇b) e - σ_a ∂_e b - σ_b ∂_e a,
+
+q = 1 at the tip, 0 outside of a disk, ν outward. The tractions of the lips are those of contact and friction, λ n + λ_t t.
+I(u, mode of unit K) = (κ+1)/(4μ) K, and I(u,u) = 2G.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from ngsolve import BitArray, InnerProduct, Integrate
+
+from . import _ngsxfem_contact as core
+from .operators import Gradient, NormalGap, Slip
+from .spaces import crack_points
+from .split_mesh import mesh_arrays
+from .tip_fields import SIDE, TipFrame
+
+RADII = (1, 0.75, 0.5)  # of the disks that are compared, relative to the largest
+
+
+@dataclass(eq=False)
+class StressIntensityFactors:
+    """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip.  K_I, K_II = factors.
+
+    error: the largest change of K_I or K_II over by_radius, (n, 2), the values at `radii`; nan if there is one value only.
+    modes: coefficients of the modes in the space (error O(h^{1/2}) for P1, O(h) for P2), or None.
+    """
+
+    K_I: float
+    K_II: float
+    error: float = float("nan")
+    radii: tuple = ()
+    by_radius: np.ndarray = field(default=None, repr=False)
+    modes: tuple | None = None
+
+    def __iter__(self):
+        return iter((self.K_I, self.K_II))
+
+
+@dataclass(eq=False)
+class EnergyReleaseRate:
+    """G in energy for each unit of new crack, at a growth straight ahead.  float(rate) is G.
+
+    G: of the J-integral, ½ I(u,u).    irwin: (κ+1)/(8μ) (K_I² + K_II²).
+    error: the largest change of G over by_radius, (n,), the values at `radii`, or the difference from irwin.
+    """
+
+    G: float
+    irwin: float
+    error: float
+    radii: tuple
+    by_radius: np.ndarray = field(repr=False)
+
+    def __float__(self):
+        return self.G
+
+
+@dataclass
+class TipField:
+    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions σn on the lips, and a Load or None."""
+
+    gradient: dict
+    stress: dict
+    traction: dict
+    load: object = None
+
+
+def material_at(solution, tip):
+    """The Elasticity of the region that holds a tip."""
+    return solution.problem.material.At(solution.body.mesh, solution.body.tips[tip].point)
+
+
+def mode_fields(frame, material):
+    """The auxiliary fields of unit K_I and K_II: no load, and no traction on lips that are straight."""
+    sides = (None, *SIDE)
+    gradients = {side: frame.ModeGradients(material, side) for side in sides}
+    for mode in range(2):
+        gradient = {side: gradients[side][mode] for side in sides}
+        stress = {side: material.Stress(_symmetric(gradient[side])) for side in sides}
+        yield TipField(gradient, stress, {side: stress[side] * frame.body.normal for side in SIDE})
+
+
+def solution_field(solution):
+    """u with its load and the tractions λ n + λ_t t of contact and friction."""
+    body, material = solution.body, solution.problem.material
+    gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
+    stress = {side: material.Stress(_symmetric(g)) for side, g in gradient.items()}
+    traction = solution.multiplier * body.normal
+    if getattr(solution, "tangential_multiplier", None) is not None:
+        traction = traction + solution.tangential_multiplier * body.tangent
+    return TipField(gradient, stress, dict.fromkeys(SIDE, traction), solution.problem.f)
+
+
+def _symmetric(gradient):
+    return 0.5 * (gradient + gradient.trans)
+
+
+class TipIntegral:
+    """I(a,b) at one tip, q = 0 for r ≥ radius."""
+
+    def __init__(self, W, frame, radius, bonus_intorder=4):
+        self.frame, self.body, self.mesh = frame, W.body, W.body.mesh
+        self.q, self.grad_q = frame.Weight(radius), frame.WeightGradient(radius)
+        self.elements = elements_within(self.mesh, frame.tip.point, radius)
+        self.disk = self.body.dx(definedonelements=self.elements, bonus_intorder=bonus_intorder)
+        self.points, self.weights = crack_rule(W, frame.tip, radius)
+
+    def __call__(self, a, b):
+        return self._volume(a, b) + self._loads(a, b) + self._lips(a, b)
+
+    def _volume(self, a, b):
+        e = self.frame.ahead
+        M = InnerProduct(a.stress[None], b.gradient[None]) * e - a.stress[None] * (b.gradient[None] * e) - b.stress[None] * (a.gradient[None] * e)
+        return -Integrate(InnerProduct(M, self.grad_q).Compile() * self.disk, self.mesh)
+
+    def _loads(self, a, b):
+        moved = lambda f: [(self.q * (f.gradient[side] * self.frame.ahead)).Compile() for side in (None, *SIDE)]
+        return -sum(one.load.Evaluate(*moved(other), self.elements) for one, other in ((a, b), (b, a)) if one.load is not None)
+
+    def _lips(self, a, b):
+        """ν = -n on the plus lip, n on the minus lip."""
+        e, n, flow = self.frame.ahead, self.body.normal, 0
+        for side, sign in SIDE.items():
+            along_n = InnerProduct(a.stress[side], b.gradient[side]) * InnerProduct(e, n)
+            along_n -= InnerProduct(a.traction[side], b.gradient[side] * e) + InnerProduct(b.traction[side], a.gradient[side] * e)
+            flow -= sign * along_n
+        return float(self.weights @ (self.q * flow).Compile()(self.points).ravel())
+
+
+def crack_rule(W, tip, radius, n=10):
+    """Mesh points and weights on the crack of a tip inside a disk, for integrands like 1/√s at the tip; divided at W's nodes."""
+    body, crack = W.body, W.body.cracks[tip.crack]
+    nodes = {abs(tip.s - s) for s in (*W.basis.nodes[tip.crack], *body.MeshNodes(tip.crack, True))}
+    reach = _reach(crack, tip, radius)
+    cuts = np.sqrt([*sorted(s for s in nodes if s < reach), reach])
+    x, w = np.polynomial.legendre.leggauss(n)
+    half = 0.5 * np.diff(cuts)[:, None]
+    root = cuts[:-1, None] + half * (1 + x)  # ds = 2 √s d√s
+    s = np.abs(tip.s - (root**2).ravel())
+    return crack_points(body, tip.crack, np.clip(s, 0, crack.length)), (2 * root * half * w).ravel()
+
+
+def _reach(crack, tip, radius, n=2000):
+    """The arc length from the tip after which the crack stays outside of the disk."""
+    s = np.linspace(0, crack.length, n)
+    distance = np.hypot(*(np.array([crack.PointAt(abs(tip.s - si)) for si in s]) - tip.point).T)
+    return s[min(np.flatnonzero(distance < radius)[-1] + 1, n - 1)]
+
+
+def elements_within(mesh, point, radius):
+    """BitArray of the triangles that may meet a disk."""
+    vertices, triangles = mesh_arrays(mesh)
+    corners = vertices[triangles]
+    size = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    near = np.linalg.norm(corners - np.asarray(point), axis=2).min(axis=1) < radius + size
+    elements = BitArray(len(corners))
+    elements.Clear()
+    for i in np.flatnonzero(near):
+        elements.Set(int(i))
+    return elements
+
+
+def disks(frame, radius):
+    """The radii of the domains of integration: that given, or eight elements if there is room, and parts of it.
+
+    Raises ValueError if a disk leaves the body, meets another crack, or has less than two elements in its radius.
+    """
+    room, limit = frame.Clearance()
+    if radius is None:
+        radius = min(0.9 * room, 8 * frame.h)
+    if not radius > 0:
+        raise ValueError(f"the radius {radius} of the domain at the tip {frame.tip.point} must be positive")
+    if not radius < room:
+        raise ValueError(f"the domain of radius {radius:.4g} at the tip {frame.tip.point} meets {limit} at the distance {room:.4g}; choose a smaller radius")
+    if radius < 2 * frame.h:
+        raise ValueError(
+            f"the domain of radius {radius:.4g} at the tip {frame.tip.point} has less than two elements (h = {frame.h:.4g}) in its radius; "
+            f"{limit} is at the distance {room:.4g}: refine the mesh there"
+        )
+    return tuple(part * radius for part in RADII)
+
+
+@dataclass(frozen=True)
+class InteractionIntegral:
+    """K_I, K_II from I(u, mode): the domain integral with body force and tractions of the lips.
+
+    radius: of the largest domain; default eight elements at the tip, less where there is no room.
+    """
+
+    radius: float | None = None
+
+    def Evaluate(self, solution, tip):
+        """StressIntensityFactors of the largest domain, with their change over three."""
+        frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
+        u, modes, radii = solution_field(solution), list(mode_fields(frame, material)), disks(frame, self.radius)
+        integrals = [TipIntegral(solution.problem.W, frame, radius) for radius in radii]
+        K = 4 * material.mu / (material.kappa + 1) * np.array([[I(u, mode) for mode in modes] for I in integrals])
+        return StressIntensityFactors(*map(float, K[0]), float(np.ptp(K, axis=0).max()), radii, K, mode_coefficients(solution, tip))
+
+
+@dataclass(frozen=True)
+class ModeCoefficients:
+    """K_I, K_II as coefficients of the modes in the space: needs TipEnrichment(material=...).
+
+    The error is O(h^{1/2}) for P1 and O(h) for P2, h the element at the tip; do not grade the mesh to the tip, where the
+    polynomials would take over √r.
+    """
+
+    def Evaluate(self, solution, tip):
+        """Raises ValueError if the space has no modes at the tip."""
+        modes = mode_coefficients(solution, tip)
+        if modes is None:
+            raise ValueError(f"StressIntensity: the space has no modes at tip {tip}; build it with tip=TipEnrichment(material=material)")
+        return StressIntensityFactors(*modes, modes=modes)
+
+
+@dataclass(frozen=True)
+class JumpExtrapolation:
+    """K_I, K_II from jump/√r = A + B r, least squares from half an element to eight elements behind the tip."""
+
+    points: int = 40
+
+    def Evaluate(self, solution, tip):
+        """Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent."""
+        if solution.problem.V.tip_specs[tip] is None:
+            raise ValueError(f"StressIntensity: the space has no functions at tip {tip}, so the jump there is wrong; use method='interaction'")
+        frame, body, material = TipFrame(solution.body, tip), solution.body, material_at(solution, tip)
+        r = np.linspace(0.5 * frame.h, min(8 * frame.h, 0.5 * frame.crack.length), self.points)
+        points = crack_points(body, frame.tip.crack, np.abs(frame.tip.s - r))
+        jumps = np.column_stack([f(points).ravel() for f in (NormalGap(solution.u, body), Slip(solution.u, body))])
+        A = np.linalg.lstsq(np.column_stack([np.ones_like(r), r]), jumps / np.sqrt(r)[:, None], rcond=None)[0][0]
+        K = A * np.sqrt(2 * np.pi) * material.mu / (material.kappa + 1)
+        return StressIntensityFactors(*map(float, K), modes=mode_coefficients(solution, tip))
+
+
+METHODS = {"interaction": InteractionIntegral, "modes": ModeCoefficients, "jump": JumpExtrapolation}
+
+
+def mode_coefficients(solution, tip):
+    """The coefficients of the modes at a tip, or None if the space has none there."""
+    V = solution.problem.V
+    spec = V.tip_specs[tip]
+    if spec is None or spec.basis != core.TipBasis.modes:
+        return None
+    return tuple(float(solution.u.vec[dof]) for dof in V.TipDofs(tip))
+
+
+def stress_intensity(solution, tip, method, radius):
+    """What ContactSolution.StressIntensity documents."""
+    check_tip(solution, tip)
+    if isinstance(method, str):
+        if method not in METHODS:
+            raise ValueError(f"StressIntensity: method={method!r} is not one of {list(METHODS)}")
+        method = METHODS[method]()
+    if radius is not None:
+        if not isinstance(method, InteractionIntegral):
+            raise ValueError(f"StressIntensity: radius={radius} goes with method='interaction' only")
+        method = InteractionIntegral(radius)
+    return method.Evaluate(solution, tip)
+
+
+def energy_release_rate(solution, tip, radius):
+    """What ContactSolution.EnergyReleaseRate documents."""
+    check_tip(solution, tip)
+    material, frame = material_at(solution, tip), TipFrame(solution.body, tip)
+    K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
+    irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
+    u, radii = solution_field(solution), disks(frame, radius)
+    G = np.array([0.5 * TipIntegral(solution.problem.W, frame, r)(u, u) for r in radii])
+    return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)
+
+
+def check_tip(solution, tip):
+    """Raises ValueError if there is no such tip."""
+    tips = solution.body.tips
+    if not 0 <= tip < len(tips):
+        raise ValueError(f"there is no tip {tip}; body.tips has {len(tips)}: {list(tips)}")

@@ -1,0 +1,252 @@
+"""Growth of cracks step by step, contact active throughout, on one mesh: docs/method.md, section 8."""
+
+import csv
+from dataclasses import dataclass
+from math import atan2, cos, degrees, pi, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+
+from ._ngsxfem_contact import Crack, CrackedMesh
+from .files import write_whole
+from .spaces import crack_points
+from .tip_fields import TipFrame
+
+ENDS = ("start", "end")
+
+
+@dataclass(frozen=True)
+class MaximumHoopStress:
+    """Erdogan and Sih (1963): growth at the angle θ where σ_θθ √(2πr) = K_I cos³(θ/2) - 3 K_II cos²(θ/2) sin(θ/2) is largest.
+
+    A tip whose faces touch does not grow: contact makes K_I = 0 there. WingCracks lets it kink.
+    """
+
+    grows_closed = False
+
+    def Angle(self, K_I, K_II):
+        """θ in radians from the direction ahead, counter-clockwise: K_I sin θ + K_II (3 cos θ - 1) = 0, |θ| ≤ 70.53°."""
+        if K_II == 0:
+            return 0.0
+        return 2 * atan2(-2 * K_II, K_I + sqrt(K_I**2 + 8 * K_II**2))
+
+    def Driving(self, K_I, K_II):
+        """The largest σ_θθ √(2πr): for K_II = 0 it is K_I."""
+        half = 0.5 * self.Angle(K_I, K_II)
+        return cos(half) ** 2 * (K_I * cos(half) - 3 * K_II * sin(half))
+
+
+@dataclass(frozen=True)
+class WingCracks(MaximumHoopStress):
+    """MaximumHoopStress also at closed tips that slide, with K_I = 0 there: a kink of 70.53° that opens."""
+
+    grows_closed = True
+
+
+@dataclass(frozen=True)
+class Increment:
+    """Every tip that grows advances by da."""
+
+    da: float
+
+    def __post_init__(self):
+        _check_positive(self, "da")
+
+    def Advances(self, driving):
+        """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted."""
+        return np.full(len(driving), self.da), 0.0
+
+
+@dataclass(frozen=True)
+class Paris:
+    """da/dN = C (ΔK)^m, ΔK = (1 - ratio) K for loads between ratio and 1 times the given one.
+
+    The tip with the largest ΔK advances by da, in da / (C ΔK^m) cycles, the others by what they grow meanwhile.
+    """
+
+    C: float
+    m: float
+    da: float
+    ratio: float = 0.0
+
+    def __post_init__(self):
+        for name in ("C", "m", "da"):
+            _check_positive(self, name)
+        if not 0 <= self.ratio < 1:
+            raise ValueError(f"Paris: ratio={self.ratio} must be at least 0 and less than 1")
+
+    def Advances(self, driving):
+        """(advances, cycles)."""
+        rates = self.C * ((1 - self.ratio) * np.asarray(driving)) ** self.m
+        cycles = self.da / rates.max()
+        return rates * cycles, float(cycles)
+
+
+def _check_positive(law, name):
+    value = getattr(law, name)
+    if not 0 < value < float("inf"):
+        raise ValueError(f"{type(law).__name__}: {name}={value} must be positive")
+
+
+@dataclass
+class TipStep:
+    """One tip in one step. angle: of growth, in degrees from ahead; advance: in this step; state: "grew" or why it did not."""
+
+    step: int
+    crack: int
+    end: str
+    x: float
+    y: float
+    length: float
+    K_I: float = float("nan")
+    K_II: float = float("nan")
+    error: float = float("nan")
+    driving: float = float("nan")
+    angle: float = 0.0
+    advance: float = 0.0
+    cycles: float = 0.0
+    state: str = ""
+
+
+class CrackGrowth:
+    """Solves, evaluates K at every tip and lets the cracks grow, again and again; the mesh never changes.
+
+    make_problem: function of a list of cracks that returns the ContactProblem on the one mesh, loads included.
+    cracks: the first cracks, a list of Crack.    law: Increment(da) or Paris(C, m, da).
+    criterion: MaximumHoopStress() or WingCracks(), or an object with grows_closed, Angle and Driving.
+    toughness: tips with less Driving stay as they are, in stress × √length; default 0.
+    da should be three elements or more: the singular functions have room on the last straight part only.
+    Every step is solved from the unloaded body: friction has no memory of the steps before.
+    """
+
+    def __init__(self, make_problem, cracks, law, criterion=MaximumHoopStress(), toughness=0.0):
+        if not (0 <= toughness < float("inf")):
+            raise ValueError(f"CrackGrowth: toughness={toughness} must be a finite number >= 0")
+        if not hasattr(law, "Advances") or not (hasattr(criterion, "Angle") and hasattr(criterion, "Driving")):
+            raise TypeError(f"CrackGrowth: law={law!r} needs Advances, criterion={criterion!r} needs Angle and Driving")
+        self.make_problem, self.cracks, self.law, self.criterion, self.toughness = make_problem, list(cracks), law, criterion, toughness
+        self.solutions, self.rows = [], []
+        self.cycles = 0.0
+        self._ended, self._owed = {}, {}  # by (crack, end): why a tip stopped for good; advance not yet made
+
+    def Run(self, steps):
+        """At most so many steps, until no tip grows; returns the table."""
+        for _ in range(steps):
+            if not any(row.advance for row in self.Step()):
+                break
+        return self.table
+
+    def Step(self):
+        """One solve and one growth; returns the TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
+        solution = self.make_problem(self.cracks).Solve()
+        rows = [self._evaluate(solution, number) for number in range(len(solution.body.tips))]
+        growing = [row for row in rows if not row.state]
+        if growing:
+            advances, cycles = self.law.Advances([row.driving for row in growing])
+            self.cycles += cycles
+            for row, advance in sorted(zip(growing, advances), key=lambda pair: -pair[0].driving):
+                self._grow(solution, row, float(advance))
+        for row in rows:
+            row.cycles = self.cycles
+        self.solutions.append(solution)
+        self.rows += rows
+        return rows
+
+    def _evaluate(self, solution, number):
+        """Factors and driving force of a tip; a state if it does not grow."""
+        tip = solution.body.tips[number]
+        crack, end = tip.crack, ENDS[int(tip.s > 0)]
+        row = TipStep(len(self.solutions), crack, end, *tip.point, solution.body.cracks[crack].length, state=self._ended.get((crack, end), ""))
+        if row.state:
+            return row
+        try:
+            factors = solution.StressIntensity(number)
+        except ValueError as no_room:
+            row.state = self._ended[crack, end] = f"stopped: {no_room}"
+            return row
+        row.K_I, row.K_II, row.error = factors.K_I, factors.K_II, factors.error
+        closed = is_closed(solution, number)
+        K = (0.0 if closed else row.K_I, row.K_II)
+        row.driving, row.angle = self.criterion.Driving(*K), degrees(self.criterion.Angle(*K))
+        row.state = self._arrest(row, closed)
+        return row
+
+    def _arrest(self, row, closed):
+        if closed and not self.criterion.grows_closed:
+            return "arrested: the faces touch at the tip, K_I = 0"
+        if row.driving <= max(self.toughness, row.error):
+            return f"arrested: driving {row.driving:.3g} is not above {'the toughness' if self.toughness > row.error else 'its own error'}"
+        return ""
+
+    def _grow(self, solution, row, advance):
+        """Extends the crack, unless the new tip would not fit; small advances wait until they add up to half of da."""
+        key = (row.crack, row.end)
+        advance += self._owed.pop(key, 0.0)
+        if advance < 0.5 * self.law.da:
+            self._owed[key] = advance
+            row.state = "waits: it grows less than half an increment"
+            return
+        tip = next(t for t in solution.body.tips if (t.crack, ENDS[int(t.s > 0)]) == key)
+        angle = atan2(tip.ahead[1], tip.ahead[0]) + row.angle * pi / 180
+        point = (row.x + advance * cos(angle), row.y + advance * sin(angle))
+        try:
+            trial = [extended(crack, row.end, point) if i == row.crack else crack for i, crack in enumerate(self.cracks)]
+            check_room(CrackedMesh(solution.body.mesh, *trial), *key)
+        except Exception as obstacle:  # of the core: the new part leaves the body, meets a crack, or has no room
+            row.state = self._ended[key] = f"stopped: {obstacle}"
+        else:
+            self.cracks, row.advance, row.state = trial, advance, "grew"
+
+    @property
+    def table(self):
+        """A numpy structured array with the fields of TipStep, one row for each step and tip."""
+        types = [(name, "U200" if f.type is str else f.type) for name, f in TipStep.__dataclass_fields__.items()]
+        return np.array([tuple(vars(row).values()) for row in self.rows], dtype=types)
+
+    def __str__(self):
+        lines = ["step crack end          x         y   length       K_I      K_II   angle  advance     cycles  state"]
+        for r in self.rows:
+            lines.append(f"{r.step:4} {r.crack:5} {r.end:5} {r.x:9.5f} {r.y:9.5f} {r.length:8.5f} {r.K_I:9.4g} {r.K_II:9.3g} {r.angle:7.2f} {r.advance:8.4g} {r.cycles:10.4g}  {r.state}")
+        return "\n".join(lines)
+
+    def SaveTable(self, path):
+        """Writes the table as CSV; returns the path. The file appears when it is complete."""
+        table = self.table
+
+        def write(temporary):
+            with open(temporary, "w", newline="") as file:
+                csv.writer(file).writerows([table.dtype.names, *table.tolist()])
+
+        return write_whole(Path(path), write)
+
+    def Animate(self, path, scale=None, seconds=0.5):
+        """Writes the opened body of every step as an animated GIF (needs matplotlib with pillow); returns the path."""
+        from .plotting import animate
+
+        titles = [f"step {i}, " + ", ".join(f"K_I {r.K_I:.3g}  K_II {r.K_II:.2g}" for r in self.rows if r.step == i) for i in range(len(self.solutions))]
+        return animate(self.solutions, path, titles, scale, seconds)
+
+
+def extended(crack, end, point):
+    """The crack with a straight new part from its start or end to a point."""
+    return Crack([point, *crack.points] if end == "start" else [*crack.points, point])
+
+
+def check_room(body, crack, end):
+    """Raises ValueError unless this end of the crack is a tip with a disk of two elements around it."""
+    for number, tip in enumerate(body.tips):
+        if (tip.crack, ENDS[int(tip.s > 0)]) == (crack, end):
+            frame = TipFrame(body, number)
+            room, limit = frame.Clearance()
+            if room <= 2.5 * frame.h:
+                raise ValueError(f"the new tip {tip.point} would be {room:.4g} from {limit}, less than 2.5 elements (h = {frame.h:.4g})")
+            return
+    raise ValueError(f"the {end} of crack {crack} would lie on the boundary")
+
+
+def is_closed(solution, number):
+    """Whether the faces press on each other over most of the last element before a tip."""
+    frame = TipFrame(solution.body, number)
+    s = np.clip(np.abs(frame.tip.s - frame.h * np.linspace(0.05, 1, 20)), 0, frame.crack.length)
+    pressure = solution.multiplier(crack_points(solution.body, frame.tip.crack, s)).ravel()
+    return bool(np.median(pressure) < 0)
