@@ -7,6 +7,7 @@ from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
 from .friction import Coulomb, Tresca
 from .interpolation import Interpolant, Projection
+from .nitsche import Nitsche
 from .nodal_newton import FixedPoint, FullNewton
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress
 from .load_steps import LoadCase, LoadSteps
