@@ -10,6 +10,7 @@ from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 from .friction import Coulomb, Tresca
 from .growth import CrackGrowth, Increment, MaximumHoopStress, Paris, WingCracks
 from .interpolation import Interpolant, Projection
+from .nitsche import Nitsche
 from .nodal_newton import FixedPoint, FullNewton
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress
 from .load_steps import LoadCase, LoadSteps

@@ -22,7 +22,7 @@ def check_data(system, problem):
     ):
         if not np.isfinite(values).all():
             raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
-    gap = system.G[: problem.W.ndof]
+    gap = system.G[: system.nodes.ndof]
     if (gap < -1e-12 * np.abs(gap).max()).any():
         raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first")
 
@@ -43,7 +43,7 @@ def check_rigid_motions(problem):
 def check_multiplier(Q, tolerance=1e-10):
     """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable."""
     scale = 1 / np.sqrt(np.maximum(np.diag(Q), np.finfo(float).tiny))
-    values = np.linalg.eigvalsh(Q * scale[:, None] * scale)
+    values = np.linalg.eigvalsh(0.5 * (Q + Q.T) * scale[:, None] * scale)
     deficient = int((values < tolerance * values[-1]).sum())
     if deficient:
         raise SingularSystem(
@@ -56,7 +56,8 @@ def check_multiplier(Q, tolerance=1e-10):
 def check_coercive(problem, elimination):
     """Raises NotCoercive for a gamma0 for which K - K_γ is not positive definite (against K)."""
     stabilisation = problem.stabilisation
-    if elimination.positive or (elimination.positive is None and stabilisation.IsSafe(problem.V, problem.material, problem.friction.components)):
+    proved = elimination.positive and not stabilisation.needs_eigenvalue
+    if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.friction.components)):
         return
     smallest = Coercivity(problem)
     if smallest <= 1e-10:

@@ -5,8 +5,8 @@ With the displacements eliminated the problem is: find p = (p_n, p_t), w = Q p +
     p_n ≤ 0,  w_n ≤ 0,  p_n w_n = 0,
     |p_t| ≤ s,  w_t = 0 where |p_t| < s,  w_t ≤ 0 where p_t = s,  w_t ≥ 0 where p_t = -s,
 
-Q symmetric positive definite. -w_n is a mean of the gap, -w_t of the slip, so p_t has the sign of the slip. Where s is
-given (Tresca) p is the unique minimum of ½p·Qp + q·p between bounds; where s = slope |p_n| (Coulomb) it is the solution
+Q positive definite (symmetric except for Nitsche's method with θ ≠ 1). -w_n is a mean of the gap, -w_t of the slip, so p_t has the sign of the slip. Where s is
+given (Tresca) there is one solution, for symmetric Q the minimum of ½p·Qp + q·p between bounds; where s = slope |p_n| (Coulomb) it is the solution
 of a quasi-variational inequality, which need not be unique. In the projection form, y = p - r w with any r > 0,
 
     p_n = min(0, y_n),    p_t = min(s, max(-s, y_t)),    s = s(y_n),
@@ -80,9 +80,9 @@ class NodalResult:
 class Cycle(Exception):
     """Newton's method left its track: a set of states came back, or its matrix was singular."""
 
-    def __init__(self, p, states, reason):
+    def __init__(self, states, reason):
         super().__init__(reason)
-        self.p, self.states = p, states
+        self.states = states
 
 
 def first_states(contact, threshold):
@@ -124,72 +124,57 @@ def next_states(p, w, r, threshold, states):
 
 
 def newton(Q, q, threshold, r, start, max_iterations):
-    """A NodalResult; raises Cycle, and NotConverged after max_iterations.    r: (2m,) or a positive number."""
+    """A NodalResult; raises Cycle, and NotConverged after max_iterations.    r: (2m,), positive."""
     states, history, seen = start, [start], {start.key}
     for _ in range(max_iterations):
         try:
             p, w = solve_states(Q, q, threshold, states)
         except np.linalg.LinAlgError:
-            raise Cycle(np.zeros(len(q)), history, "the Newton matrix is singular") from None
+            raise Cycle(history, "the Newton matrix is singular") from None
         new = next_states(p, w, r, threshold, states)
         history.append(new)
         if new.key == states.key:
             return NodalResult(p, history)
         if new.key in seen:
-            raise Cycle(p, history, "a set of states came back")
+            raise Cycle(history, "a set of states came back")
         seen.add(new.key)
         states = new
     raise NotConverged(f"the nodal states still changed after {max_iterations} iterations (in contact {[int(s.contact.sum()) for s in history[-5:]]})")
 
 
-def minimum_between_bounds(Q, q, lower, upper, start):
-    """The minimum p of ½p·Qp + q·p, lower ≤ p ≤ upper, and the number of steps: primal active sets.
+def least_index(Q, q, threshold, states):
+    """For given thresholds: one node at a time, the first violated one, from given states; a NodalResult.
 
-    All values at a bound are held, and the one that pulls away from it most is let go: then the next step has positive
-    length and the objective falls from one minimum on a face to the next. No face comes twice, so this ends.
+    This ends for every P-matrix Q, Murty's argument: between two changes of the last value the others solve a smaller
+    problem of the same kind, whose answer makes w of the last value an increasing function of it, so that no state of the last
+    value comes twice.
     """
-    p = np.clip(start, lower, upper)
-    free = (p > lower) & (p < upper)
+    contact, tangential = states.contact.copy(), states.tangential.copy()
     for step in range(100 * len(q)):
-        target = p.copy()
-        if free.any():
-            target[free] = np.linalg.solve(Q[np.ix_(free, free)], -(q + Q[:, ~free] @ p[~free])[free])
-        outside = np.flatnonzero(free & ((target < lower) | (target > upper)))
-        if len(outside):
-            bound = np.where(target < lower, lower, upper)[outside]
-            lengths = (bound - p[outside]) / (target - p)[outside]
-            reached = lengths == lengths.min()
-            p = np.clip(p + lengths.min() * (target - p), lower, upper)
-            p[outside[reached]] = bound[reached]
-            free[outside[reached]] = False
-            continue
-        p = target
-        w = Q @ p + q
-        gain = np.where(free | (lower == upper), 0, np.where(p == upper, w, -w))
-        if gain.max() <= ROUND_OFF * np.abs(w).max():
-            return p, step
-        free[np.argmax(gain)] = True
-    raise NotConverged("the minimum between bounds was not found: its matrix is nearly singular")
-
-
-def states_of(p, threshold, lower, upper):
-    """The states of a minimum between bounds."""
-    m = len(p) // 2
-    p_t, s = p[m:], upper[m:]
-    tangential = np.where(p_t == s, SLIP_PLUS, np.where(p_t == -s, SLIP_MINUS, STICK))
-    return States(p[:m] < 0, np.where(s > 0, tangential, FREE))
+        p, w = solve_states(Q, q, threshold, States(contact, tangential))
+        (p_n, p_t), (w_n, w_t) = (np.split(v / max(np.abs(v).max(), np.finfo(float).tiny), 2) for v in (p, w))
+        s = threshold.base / max(np.abs(p).max(), np.finfo(float).tiny)
+        stick, pulls_back = tangential == STICK, tangential * w_t
+        wrong = [np.where(contact, p_n, w_n), np.where(stick, np.abs(p_t) - s, np.where(np.abs(tangential) == 1, pulls_back, 0))]
+        violated = np.flatnonzero(np.concatenate(wrong) > ROUND_OFF)
+        if len(violated) == 0:
+            return NodalResult(p, [States(contact, tangential)], step)
+        component, i = divmod(violated[0], len(contact))
+        if component == 0:
+            contact[i] ^= True
+        else:
+            tangential[i] = np.sign(p_t[i]) if stick[i] else STICK
+    raise NotConverged("the nodal states cycle and changing them one by one did not end")
 
 
 def fixed_threshold(Q, q, s, r, start, max_iterations):
-    """The problem with given thresholds: Newton's method, and where it cycles the minimum between bounds."""
+    """The problem with given thresholds: Newton's method, and where it cycles one node at a time."""
     threshold = Threshold(s, np.zeros(len(s)))
     try:
         return newton(Q, q, threshold, r, start, max_iterations)
     except Cycle as cycle:
-        upper = np.concatenate([np.zeros(len(s)), s])
-        lower = np.concatenate([np.full(len(s), -np.inf), -s])
-        p, steps = minimum_between_bounds(Q, q, lower, upper, cycle.p)
-        return NodalResult(p, [*cycle.states, states_of(p, threshold, lower, upper)], steps)
+        result = least_index(Q, q, threshold, cycle.states[-1])
+        return replace(result, states=cycle.states + result.states)
 
 
 @dataclass(frozen=True)
@@ -236,7 +221,7 @@ class FixedPoint:
 class FullNewton:
     """Newton's method on the whole problem, the threshold's dependence on p_n in its matrix; if it cycles, a safeguard.
 
-    The safeguard is the minimum between bounds where s is given, and otherwise FixedPoint.
+    The safeguard is `least_index` where s is given, and otherwise FixedPoint.
     """
 
     safeguard: FixedPoint = FixedPoint()
@@ -269,20 +254,30 @@ def uniqueness_number(Q, slope):
     The difference of two solutions satisfies δp_n δw_n ≤ 0 and δp_t δw_t ≤ slope |δp_n| |δw_t| at each node, δw = Qδp, so
     that for any α > 0, α δp_n·δw_n + δp_t·δw_t ≤ Σ slope |δp_n| |δw_t|. The number is the largest ratio of
     ½ (τ ‖M slope δp_n‖² + ‖M⁻¹δw_t‖²/τ), which is not less than the right side, to the left side; M² = diag Q_tt, τ
-    balances both terms. The left side is positive for α < ((1 + √(1 - c²))/c)², c the largest correlation of normal and
-    tangential parts; a third of that is taken. Where they are coupled weakly the number is small whatever the slope is.
+    balances both terms. For symmetric Q the left side is positive for α < ((1 + √(1 - c²))/c)², c the largest correlation of normal and
+    tangential parts; a third of that, and 1, are tried. Where they are coupled weakly the number is small whatever the slope is.
     """
     m = len(slope)
     if not slope.any():
         return 0.0
-    correlation = np.sqrt(max(_largest(Q[:m, m:] @ np.linalg.solve(Q[m:, m:], Q[m:, :m]), Q[:m, :m]), 0))
+    symmetric = 0.5 * (Q + Q.T)
+    correlation = np.sqrt(max(_largest(symmetric[:m, m:] @ np.linalg.solve(symmetric[m:, m:], symmetric[m:, :m]), symmetric[:m, :m]), 0))
     alpha = max(1, ((1 + np.sqrt(max(1 - correlation**2, 0))) / max(correlation, 1e-8)) ** 2 / 3)
-    form = Q * np.repeat([alpha, 1], m)[:, None]
-    form, M2 = 0.5 * (form + form.T), np.diag(Q)[m:]
+    M2 = np.diag(Q)[m:]
     normal = np.diag(np.concatenate([M2 * slope**2, np.zeros(m)]))
-    tangential = Q[:, m:] / M2 @ Q[m:]
-    tau = np.sqrt(_largest(tangential, form) / _largest(normal, form))
-    return _largest(0.5 * (tau * normal + tangential / tau), form)
+    tangential = Q[m:].T / M2 @ Q[m:]
+    numbers = [_balanced_ratio(normal, tangential, Q * np.repeat([weight, 1], m)[:, None]) for weight in {1, alpha}]
+    return min(numbers)
+
+
+def _balanced_ratio(normal, tangential, form):
+    """The largest ratio of ½ (τ normal + tangential/τ) to form, or inf where form is not positive."""
+    form = 0.5 * (form + form.T)
+    try:
+        tau = np.sqrt(_largest(tangential, form) / _largest(normal, form))
+        return _largest(0.5 * (tau * normal + tangential / tau), form)
+    except np.linalg.LinAlgError:
+        return np.inf
 
 
 def _largest(A, form):

@@ -31,7 +31,7 @@ class ContactProblem:
     """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
 
     V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity, or Elasticity.ByRegion(...).
-    stabilisation: BarbosaHughes(...) (default: chooses γ itself), or None.
+    stabilisation: BarbosaHughes(...) (default: chooses γ itself), None, or Nitsche(theta): no multiplier, W presents the pressure.
     cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
     friction: None (default), Tresca(s) or Coulomb(mu_f).
@@ -133,7 +133,7 @@ class ContactProblem:
 
     def Assemble(self):
         """The matrices of (38): a ContactSystem."""
-        return ContactSystem(self)
+        return self.stabilisation.System(self) if hasattr(self.stabilisation, "System") else ContactSystem(self)
 
     def Solve(self, **options):
         """Solves and returns a ContactSolution; options: inverse, previous, cone, r, start, max_iterations, see `solver.solve`.
@@ -148,7 +148,8 @@ class ContactProblem:
 class ContactSystem:
     """K - K_γ as an NGSolve matrix; E = B - C_γ and D_γ as scipy matrices; F, G as arrays: the blocks of (38).
 
-    gamma: γ or None.    weights: ∫ψ_i, the length of Γ_C that belongs to each multiplier.
+    gamma: γ or None.    nodes: where the signs are taken, W or what stands for it.    weights: ∫ψ_i, the length of Γ_C that
+    belongs to each multiplier.
 
     Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
     With friction the multiplier is L = (L_n, L_t), the rows of B are -∫ψ_i g_n and -∫ψ_i g_t, those of C_γ ∫γψ_i R_n and
@@ -156,26 +157,52 @@ class ContactSystem:
     """
 
     def __init__(self, problem):
-        V, W, body, material = problem.V, problem.W, problem.body, problem.material
-        components = problem.friction.components
         self.gamma = problem.Gamma()
-        u, v = V.TnT()
-        lam, mu = W.TnT()
-        dcrack = W.dcrack
-
-        stiffness = core.CrackBilinearForm(V, symmetric=True)
-        stiffness += InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx
-        if self.gamma is not None:
-            stiffness += -self.gamma * squared_traces(problem.stabilisation, u, v, material, body, components) * dcrack
-        self.stiffness = stiffness.Assemble().mat
+        self._assemble(problem)
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
-        self.E = vstack([self._coupling(problem, component) for component in components], format="csr")
-        mass = csr_matrix((W.ndof, W.ndof)) if self.gamma is None else to_scipy(BilinearForm(self.gamma * lam * mu * dcrack).Assemble().mat)
-        self.D = block_diag([mass] * len(components), format="csr")
-        self.weights = np.tile(LinearForm(mu * dcrack).Assemble().vec.FV().NumPy(), len(components))
         self.F = problem.Loads()
         self.G = np.zeros(self.E.shape[0])
-        self.G[: W.ndof] = LinearForm(problem.gap * mu * dcrack).Assemble().vec.FV().NumPy()
+        self.G[: self.nodes.ndof] = self.InitialGap(problem)
+
+    def _assemble(self, problem):
+        """nodes, stiffness, E, D, weights."""
+        V, W, body, material = problem.V, problem.W, problem.body, problem.material
+        components = problem.friction.components
+        u, v = V.TnT()
+        lam, mu = W.TnT()
+        stiffness = stiffness_form(problem)
+        mass = csr_matrix((W.ndof, W.ndof))
+        if self.gamma is not None:
+            stiffness += -self.gamma * squared_traces(problem.stabilisation, u, v, material, body, components) * W.dcrack
+            mass = to_scipy(BilinearForm(self.gamma * lam * mu * W.dcrack).Assemble().mat)
+        self.nodes, self.stiffness = W, stiffness.Assemble().mat
+        self.E = vstack([self._coupling(problem, component) for component in components], format="csr")
+        self.D = block_diag([mass] * len(components), format="csr")
+        self.weights = np.tile(LinearForm(mu * W.dcrack).Assemble().vec.FV().NumPy(), len(components))
+
+    def InitialGap(self, problem):
+        """∫ψ_i g_0."""
+        mu = problem.W.TestFunction()
+        return LinearForm(problem.gap * mu * problem.W.dcrack).Assemble().vec.FV().NumPy()
+
+    def Function(self, problem, values, name):
+        """The GridFunction of W for one component of L."""
+        function = GridFunction(problem.W, name)
+        function.vec.FV().NumPy()[:] = values
+        return function
+
+    @property
+    def C(self):
+        """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E."""
+        return self.E
+
+    def Distribute(self, L):
+        """The coefficients of C's rows in the forces on the displacements, Cᵀ Distribute(L)."""
+        return L
+
+    def Forces(self, L):
+        """What L exerts on the displacements, (B - C_γ)ᵀ L."""
+        return self.C.T @ self.Distribute(L)
 
     def _coupling(self, problem, component):
         """The rows of B - C_γ of one component."""
@@ -200,3 +227,11 @@ class ContactSystem:
     def Residual(self, U, L):
         """The second row of (38): (B - C_γ) U + D_γ L - G."""
         return self.Moments(U, L) - self.G
+
+
+def stiffness_form(problem):
+    """a(u, v), not assembled."""
+    u, v = problem.V.TnT()
+    form = core.CrackBilinearForm(problem.V, symmetric=True)
+    form += InnerProduct(problem.material.Stress(Strain(u)), Strain(v)) * problem.body.dx
+    return form

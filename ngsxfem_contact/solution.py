@@ -25,9 +25,15 @@ class CrackProfile:
 
 
 @dataclass
-class Increment:
-    """moments: (B - C_γ) U + D_γ L.  residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part."""
+class State:
+    """Of the nodes where signs are taken.
 
+    nodes: W, or what stands for it.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L.
+    residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
+    """
+
+    nodes: object
+    L: np.ndarray
     moments: np.ndarray
     residual: np.ndarray
 
@@ -36,11 +42,12 @@ class ContactSolution:
     """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None.
 
     u may be a function without arguments that computes it: it is called when u is first used.
-    tangential_multiplier: λ_t, a GridFunction; None without friction.    increment: an Increment, for the next load step.
+    tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
+    With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
     """
 
-    def __init__(self, problem, u, multipliers, report, gamma, increment):
-        self.problem, self._u, self.report, self.gamma, self.increment = problem, u, report, gamma, increment
+    def __init__(self, problem, u, multipliers, report, gamma, state):
+        self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
     @property
@@ -74,13 +81,13 @@ class ContactSolution:
 
     def FrictionWork(self):
         """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes."""
-        first = self.problem.W.ndof
-        return -float(self.Multipliers()[first:] @ self.increment.residual[first:]) if self.tangential_multiplier else 0.0
+        m = self.state.nodes.ndof
+        return -float(self.state.L[m:] @ self.state.residual[m:])
 
     def Multipliers(self):
-        """L = (L_n, L_t) as one array; L_t = 0 where there is no friction."""
-        normal = self.multiplier.vec.FV().NumPy()
-        return np.concatenate([normal, self.tangential_multiplier.vec.FV().NumPy() if self.tangential_multiplier else np.zeros(len(normal))])
+        """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""
+        L = self.state.L
+        return L if self.tangential_multiplier else np.concatenate([L, np.zeros(len(L))])
 
     def Profile(self, crack=0, n=200):
         """A CrackProfile at n points from end to end, in the user's units.
@@ -106,11 +113,11 @@ class ContactSolution:
 
     def SlipTransitions(self, crack=0):
         """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
-        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.problem.W.ndof)
+        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.state.nodes.ndof)
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
     def _changes(self, states, crack, where=lambda a, b: True):
-        positions = self.problem.W.NodalPositions()
+        positions = self.state.nodes.NodalPositions()
         first = sum(len(p) for p in positions[:crack])
         a, b = (states[first : first + len(positions[crack])][part] for part in (slice(None, -1), slice(1, None)))
         changes = np.flatnonzero((a != b) & where(a, b))

@@ -11,7 +11,7 @@ from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
 from .friction import transformation
 from .report import Report, Stopwatch
-from .solution import ContactSolution, Increment
+from .solution import ContactSolution, State
 
 TINY = np.finfo(float).tiny
 
@@ -61,10 +61,11 @@ class ReducedProblem:
         self.system = system = problem.Assemble()
         check_data(system, problem)
         watch.Mark("assemble")
-        self.elimination = Elimination(system.stiffness, problem.V, problem.free, system.E, inverse)
+        self.elimination = Elimination(system.stiffness, problem.V, problem.free, system.C, inverse)
         if check:
             check_coercive(problem, self.elimination)
-        self.S = self.elimination.S + system.D.toarray()
+        m = system.E.shape[0]
+        self.S = self.elimination.S[:m] @ system.Distribute(np.eye(m)) + system.D.toarray()
         watch.Mark("factor")
         self.load = self.PresentLoad()
         watch.Mark("load")
@@ -76,12 +77,12 @@ class ReducedProblem:
     def Load(self, F, given):
         """The Load of a vector F and given displacements, arrays of length ndof: one back-substitution."""
         reduced = self.elimination.Reduce(F - self.system.Stiffness(given) if given.any() else F)
-        return Load(F, given, reduced, reduced.crack + self.system.E @ given)
+        return Load(F, given, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given)
 
     def Displacement(self, L, load=None):
         """U for a multiplier L: one back-substitution."""
         load = load or self.load
-        return self.elimination.Recover(load.reduced, L) + load.given
+        return self.elimination.Recover(load.reduced, self.system.Distribute(L)) + load.given
 
     def Solve(self, **options):
         """The ContactSolution, its equations checked; options as for Step."""
@@ -105,13 +106,14 @@ class ReducedProblem:
         G = self._gaps(previous)
         q = T.T @ (load.g - G)
         start = self._first_set(Q, q, start, previous, report)
-        p = problem.friction.Solve(Q, q, problem.W, cone, report, r, start, max_iterations)
+        p = problem.friction.Solve(Q, q, self.system.nodes, cone, report, r, start, max_iterations)
         report.converged = True
         watch.Mark("active set")
         L = T @ p
         moments = load.g + self.S @ L
         recover = lambda: self._recover(report, load, L, G, p, T, cone)
-        return ContactSolution(problem, recover, multipliers(problem, L), report, self.system.gamma, Increment(moments, moments - G))
+        state = State(self.system.nodes, L, moments, moments - G)
+        return ContactSolution(problem, recover, multipliers(problem, self.system, L), report, self.system.gamma, state)
 
     def _gaps(self, previous):
         """G of the second row of (38); its tangential part is (B - C_γ)_t U + D_γ L_t of the previous solution.
@@ -124,29 +126,29 @@ class ReducedProblem:
             return self.system.G
         if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
             raise ValueError("previous: a solution on other spaces; load steps need the V and W of the problem")
-        if len(previous.increment.moments) != len(self.system.G):
+        if len(previous.state.moments) != len(self.system.G):
             raise ValueError("previous: a solution with another number of multipliers; both steps need friction")
         G = self.system.G.copy()
-        G[problem.W.ndof :] = previous.increment.moments[problem.W.ndof :]
+        G[self.system.nodes.ndof :] = previous.state.moments[self.system.nodes.ndof :]
         return G
 
     def _first_set(self, Q, q, start, previous, report):
-        m = self.problem.W.ndof
+        nodes = self.system.nodes
         if start is None and previous is not None:
             return previous.report.active[-1]
         if isinstance(start, ContactSolution):
-            return active_on(self.problem.W, start)
+            return active_on(nodes, start)
         if start is not None:
             return start
-        order = along_cracks(self.problem.W)
-        active = np.empty(m, dtype=bool)
+        order = along_cracks(nodes)
+        active = np.empty(nodes.ndof, dtype=bool)
         active[order], report.coarse_iterations = coarse_start(Q[np.ix_(order, order)], q[order])
         return active
 
     def _signs(self, cone):
         """T with L = T p, and Tᵀ S T; checked once for each cone."""
         if cone not in self.transformed:
-            T = transformation(self.problem.friction, cone, self.problem.W)
+            T = transformation(self.problem.friction, cone, self.system.nodes)
             Q = T.T @ self.S @ T
             if self.check:
                 check_multiplier(Q)
@@ -163,7 +165,7 @@ class ReducedProblem:
 
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
-        system, EL = self.system, self.system.E.T @ L
+        system, EL = self.system, self.system.Forces(L)
         residual = self.elimination.Residual(load.F + EL, U)
         forces = max(np.abs(load.F).max(), np.abs(EL).max(), self.elimination.ForceScale(U), TINY)
         report.residual = float(np.abs(residual).max() / forces)
@@ -184,7 +186,7 @@ def along_cracks(W):
 
 def active_on(W, solution):
     """The active set of a solution at the nodes of W: that of the nearest of its own nodes, by arc length."""
-    theirs, ours = solution.problem.W.NodalPositions(), W.NodalPositions()
+    theirs, ours = solution.state.nodes.NodalPositions(), W.NodalPositions()
     if len(theirs) != len(ours):
         raise ValueError(f"start: a solution with {len(theirs)} cracks for a problem with {len(ours)}")
     states = np.split(solution.report.active[-1], np.cumsum([len(s) for s in theirs])[:-1])
@@ -198,12 +200,10 @@ def complementarity(system, problem, U, L, G, p, T, cone):
     displacement = np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max()
     scale = max(np.abs(p).max(), TINY)
     w = w / np.maximum(np.abs(T.T) @ np.abs(system.weights) * displacement, TINY)
-    return problem.friction.Violation(p / scale, w, scale, problem.W, cone)
+    return problem.friction.Violation(p / scale, w, scale, system.nodes, cone)
 
 
-def multipliers(problem, L):
+def multipliers(problem, system, L):
     """L as GridFunctions: λ, and λ_t with friction."""
-    functions = [GridFunction(problem.W, name) for name in ("multiplier", "tangential_multiplier")[: len(problem.friction.components)]]
-    for function, values in zip(functions, np.split(L, len(functions))):
-        function.vec.FV().NumPy()[:] = values
-    return functions
+    names = ("multiplier", "tangential_multiplier")[: len(problem.friction.components)]
+    return [system.Function(problem, values, name) for name, values in zip(names, np.split(L, len(names)))]

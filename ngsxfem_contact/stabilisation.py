@@ -19,6 +19,7 @@ class Unstabilised:
     """K_γ = C_γ = D_γ = 0."""
 
     sides = {}
+    needs_eigenvalue = False  # a positive factorised matrix shows that γ is small enough
 
     def Gamma(self, V, material, components=(NORMAL,)):
         """None: there is no γ."""
@@ -45,6 +46,7 @@ class BarbosaHughes:
     theta: float = 0.5
 
     sides = {"larger": 1}
+    needs_eigenvalue = False  # a positive factorised matrix shows that γ is small enough
 
     def __post_init__(self):
         if self.gamma0 is not None and not 0 < self.gamma0 < float("inf"):
@@ -79,6 +81,8 @@ class BothSides:
 
     gamma0: float
     weight: float = 1
+
+    needs_eigenvalue = False
 
     def __post_init__(self):
         if not 0 < self.gamma0 < float("inf"):

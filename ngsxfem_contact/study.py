@@ -20,7 +20,7 @@ from .files import write_whole
 from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, varied_mesh
 from .problem import ContactProblem
 from .report import Report
-from .solution import ContactSolution
+from .solution import ContactSolution, State
 from .solver import ReducedProblem
 from .stabilisation import BarbosaHughes, BothSides
 
@@ -68,7 +68,8 @@ class Reference:
         """The reference as a ContactSolution."""
         problem = ContactProblem(self.u.space, self.multiplier.space, MATERIAL)
         report = Report((self.u.space.ndof, self.multiplier.space.ndof), converged=True, active=[self.active])
-        return ContactSolution(problem, self.u, self.multiplier, report, None)
+        state = State(self.multiplier.space, self.nodal_values, np.zeros(0), np.zeros(0))
+        return ContactSolution(problem, self.u, [self.multiplier], report, None, state)
 
     def Pressure(self, s):
         """λ at arc lengths."""
