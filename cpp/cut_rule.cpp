@@ -69,7 +69,8 @@ namespace ngsxfem_contact
 
     public:
       Sector (const TipQuadrature & atip, double areach, int order, std::optional<PolarLine> ainner, PolarLine aouter, PointRule & arule)
-        : tip(atip), reach(areach), n_radial(atip.RadialPoints(order)), n_angular(8+order/2 + int(-0.5*log10(atip.tolerance))),
+        : tip(atip), reach(areach), n_radial(std::min(atip.RadialPoints(order), order + int(std::ceil(-1.2*log10(atip.tolerance))))),
+          n_angular(8+order/2 + int(-0.5*log10(atip.tolerance))),
           inner(ainner), outer(aouter), rule(arule) { }
 
       void Append (double a, double b)

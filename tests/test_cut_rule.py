@@ -209,7 +209,7 @@ def edge_crack(tip):
 
 def tip_energies(mesh, crack, **options):
     body = CrackedMesh(mesh, crack)
-    V = CrackFESpace(body, order=1, tip=TipEnrichment(**options))
+    V = CrackFESpace(body, order=1, tip=TipEnrichment(**{"tolerance": 1e-10} | options))
     u, v = V.TnT()
     energy = matrix(InnerProduct(Grad(u), Grad(v)) * body.dx).diagonal()
     return [energy[list(V.TipDofs(i))] for i in range(len(body.tips))]
@@ -243,7 +243,7 @@ def divergence_defect(place, **options):
     mesh = mesh_of(0.1)
     crack = edge_crack(positions(mesh)[place])
     body = CrackedMesh(mesh, crack)
-    V = CrackFESpace(body, order=1, tip=TipEnrichment(**options))
+    V = CrackFESpace(body, order=1, tip=TipEnrichment(**{"tolerance": 1e-10} | options))
     v = V.TestFunction()
     defect = 0
     for k in range(2):
@@ -280,6 +280,21 @@ def test_coupling_of_tip_functions_and_polynomials(place, order):
     """Rows of the matrix with rules of tolerance 1e-10 and 1e-13, relative to the largest entry."""
     usual, fine = tip_rows(1e-10, place, order), tip_rows(1e-13, place, order)
     assert np.abs(usual - fine).max() < 3e-8 * np.abs(fine).max()
+
+
+@pytest.mark.parametrize("maxh", [0.1, 0.02])
+@pytest.mark.parametrize("options", [dict(r1=0.3), dict(r1=0.3, cutoff="cubic"), dict(r1=0.3, r0=0.2)], ids=["", "cubic", "narrow"])
+def test_default_rules_against_fine_ones(maxh, options):
+    """The coupling by plain Gauss rules far from the tip and across the kinks of χ: the default tolerance is 1e-4."""
+    rows = []
+    for tolerance in ({}, {"tolerance": 1e-12}):
+        body = CrackedMesh(mesh_of(maxh), edge_crack((0.53, 0.05)))
+        V = CrackFESpace(body, order=1, tip=TipEnrichment(**options, **tolerance))
+        u, v = V.TnT()
+        K = matrix(InnerProduct(Strain(u), Strain(v)) * body.dx)
+        rows.append((K[list(V.TipDofs(0))].toarray(), len(body.dx.Points(0)[0])))
+    (usual, points), (fine, many) = rows
+    assert np.abs(usual - fine).max() < 1e-4 * np.abs(fine).max() and points < many / 2
 
 
 def mode_in_polar_components(mode, lam, mu, t):
@@ -323,7 +338,7 @@ def mode_energy(mode, lam, mu, r0, r1):
 def test_energies_of_modes(place):
     mesh, material = mesh_of(0.2), Elasticity(lam=1.7, mu=0.9)
     body = CrackedMesh(mesh, edge_crack(positions(mesh)[place]))
-    V = CrackFESpace(body, order=1, tip=TipEnrichment(r0=0.05, r1=0.35, material=material))
+    V = CrackFESpace(body, order=1, tip=TipEnrichment(r0=0.05, r1=0.35, material=material, tolerance=1e-10))
     u, v = V.TnT()
     energy = matrix(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx)
     assert len(V.TipDofs(0)) == 2
