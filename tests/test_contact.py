@@ -84,7 +84,8 @@ def test_with_tip_functions_uniform_stress_is_exact_to_the_defect_of_the_rules(p
     solution = rotated_problem(exact, pair, 0.41, 0.2, tip=tip).Solve()
     defect = defect_of_the_rules(solution, exact)
     assert defect < bound
-    assert max(errors(solution, exact)) < 100 * defect + 1e-10  # the tip functions are far from orthogonal to the others
+    # the tip functions are far from orthogonal to the others; the rules on the crack are not part of the defect
+    assert max(errors(solution, exact)) < 100 * defect + (1e-10 if options else 1e-6)
 
 
 def held_above_and_below(pair, stabilisation):
@@ -125,7 +126,7 @@ def test_default_rules_do_no_harm():
         solution = rotated_problem(exact, "P2/P1", 0.41, 0.04, tip=TipEnrichment(r1=0.4, material=MATERIAL, **options)).Solve()
         results.append((errors(solution, exact)[0], solution.StressIntensity().K_II))
     (error, K), (fine_error, fine_K) = results
-    assert error == pytest.approx(fine_error, rel=1e-3) and abs(K - fine_K) < 0.01 * abs(fine_K - 1)
+    assert error == pytest.approx(fine_error, rel=1e-3) and abs(K - fine_K) < 1e-5
 
 
 def test_slipping_tip_converges():
@@ -215,7 +216,7 @@ def test_assembled_matrices_are_those_of_38(pair):
     system = problem.Assemble()
     K, E, D = stabilised_by_hand(problem, 0.01 * longest_edges(problem.body))
     for ours, by_hand in ((to_scipy(system.stiffness), K), (system.E, E), (system.D, D)):
-        assert abs(ours - by_hand).max() < 1e-13 * abs(by_hand).max()
+        assert abs(ours - by_hand).max() < 1e-11 * abs(by_hand).max()  # γ is from an eigenproblem
     assert np.abs(system.G).max() == 0
 
 
@@ -234,7 +235,7 @@ def test_solution_satisfies_38():
 def test_energy_and_contact_force(pair):
     solution = coarse(pair=pair).Solve()
     K, U = stiffness_by_hand(solution.problem), array(solution.u.vec)
-    assert solution.Energy() == pytest.approx(0.5 * U @ (K @ U), rel=1e-9)  # rules of different order
+    assert solution.Energy() == pytest.approx(0.5 * U @ (K @ U), rel=1e-6)  # rules of different order, of the default tolerance 1e-4
     mu = solution.problem.W.TestFunction()
     assert solution.ContactForce() == pytest.approx(multiplier(solution) @ vector(mu * solution.body.dcrack), rel=1e-12)
 
