@@ -9,7 +9,7 @@ import numpy as np
 from closed_forms import means, rates
 from ngsolve import TaskManager, ngsglobals
 
-from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, FixedPoint, TipEnrichment, TraceSpace, Tresca
+from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, FixedPoint, Nitsche, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
 
@@ -87,6 +87,10 @@ def main():
             for name in FRICTION_REFERENCE:
                 print_reference(name)
             print_reference("C, Coulomb 0.3", friction=Coulomb(0.3, FixedPoint()))
+            for theta in (1, 0, -1):
+                for name in list(FRICTION_REFERENCE)[:2]:
+                    print(f"Nitsche {theta:2}", end=" ")
+                    print_reference(name, stabilisation=Nitsche(theta))
         if "stick" in arguments.cases:
             for pair in PAIRS:
                 for tip, name in ((None, "no tip functions"), (TipEnrichment(r1=0.3, material=MATERIAL), "modes")):

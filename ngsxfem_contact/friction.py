@@ -48,7 +48,7 @@ class Friction:
         contact = np.array(start, dtype=bool)
         if contact.shape != (len(q) // 2,):
             raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs")
-        result = self.method.Solve(Q, q, threshold, r / np.diag(Q), first_states(contact, threshold), max_iterations)
+        result = self.method.Solve(Q, q, threshold, r / np.diag(Q), first_states(Q, q, threshold, contact), max_iterations)
         report.iterations, report.fallback, report.method = result.iterations, result.fallback, result.method
         report.active = [states.contact for states in result.states]
         report.tangential = [states.tangential for states in result.states]

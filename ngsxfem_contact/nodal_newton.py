@@ -85,13 +85,6 @@ class Cycle(Exception):
         self.states = states
 
 
-def first_states(contact, threshold):
-    """Nodes with a threshold stick."""
-    contact = np.array(contact, dtype=bool)
-    s = threshold.At(-np.ones(len(contact)), contact)
-    return States(contact, np.where(s > 0, STICK, FREE))
-
-
 def solve_states(Q, q, threshold, states):
     """p and w for given states: w_n = 0 in contact, w_t = 0 where the node sticks, p_n = 0 and p_t = 0, s or -s elsewhere."""
     contact, m = states.contact, len(states.contact)
@@ -108,6 +101,22 @@ def solve_states(Q, q, threshold, states):
     w = Q @ p + q
     w[unknown] = 0
     return p, w
+
+
+def first_states(Q, q, threshold, contact):
+    """States for given nodes in contact: all nodes with a threshold stick, if that exceeds no threshold; else all slip as without friction.
+
+    Slip regions shrink in a few Newton steps, sticking ones from their ends only, a node or two in each step.
+    """
+    contact = np.array(contact, dtype=bool)
+    m = len(contact)
+    has_threshold = threshold.At(-np.ones(m), contact) > 0
+    stick = States(contact, np.where(has_threshold, STICK, FREE))
+    p, _ = solve_states(Q, q, threshold, stick)
+    if (np.abs(p[m:]) <= threshold.At(p[:m], contact)).all():
+        return stick
+    _, w = solve_states(Q, q, threshold, States(contact, np.full(m, FREE)))
+    return States(contact, np.where(has_threshold, np.where(w[m:] > 0, SLIP_MINUS, SLIP_PLUS), FREE))
 
 
 def next_states(p, w, r, threshold, states):

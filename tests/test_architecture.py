@@ -176,7 +176,7 @@ def test_files_are_short(path):
 PUBLIC = {name: value for name, value in vars(ngsxfem_contact).items() if not name.startswith("_") and not inspect.ismodule(value)}
 EXPECTED = """
     BarbosaHughes Coercivity ContactProblem ContactSolution Coulomb Crack CrackFESpace CrackedMesh Elasticity FixedPoint FullNewton
-    Gradient InfSup Jump LoadCase LoadSteps Minus NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain
+    Gradient InfSup Jump LoadCase LoadSteps Minus Nitsche NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain
     TangentialStress TipEnrichment TraceSpace Tresca
 """.split()
 
