@@ -10,8 +10,9 @@ from .checks import check_coercive, check_data, check_multiplier, check_rigid_mo
 from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
 from .friction import transformation
+from .negligible import without_negligible
 from .report import Report, Stopwatch
-from .solution import ContactSolution
+from .solution import ContactSolution, Increment
 
 TINY = np.finfo(float).tiny
 
@@ -61,7 +62,8 @@ class ReducedProblem:
         self.system = system = problem.Assemble()
         check_data(system, problem)
         watch.Mark("assemble")
-        self.elimination = Elimination(system.stiffness, problem.V, problem.free, system.E, inverse)
+        free = without_negligible(system.stiffness, problem.V, problem.free)
+        self.elimination = Elimination(system.stiffness, problem.V, free, system.E, inverse)
         if check:
             check_coercive(problem, self.elimination)
         self.S = self.elimination.S + system.D.toarray()
