@@ -15,10 +15,12 @@ from pathlib import Path
 
 import numpy as np
 from ngsolve import BilinearForm, Grad, InnerProduct, Sym, VectorH1, dx, ngsglobals
+from scipy.linalg import eigh
 
 from ngsxfem_contact import BarbosaHughes, Crack, CrackedMesh, CrackFESpace, Strain, TipEnrichment
 from ngsxfem_contact.conditioning import scaling_blocks
 from ngsxfem_contact.connectivity import VertexCopies
+from ngsxfem_contact.negligible import without_negligible
 from ngsxfem_contact.paper import MATERIAL
 from ngsxfem_contact.spaces import to_scipy
 from ngsxfem_contact.stabilisation import squared_traces
@@ -35,13 +37,14 @@ def dense(form):
 
 
 def cracked_matrices(V):
-    """K - K_γ and the mass matrix."""
+    """K - K_γ, the mass matrix, and which functions are not negligible."""
     u, v = V.TnT()
     stabilisation = BarbosaHughes()
     A = BilinearForm(V, symmetric=True)
     A += InnerProduct(MATERIAL.Stress(Strain(u)), Strain(v)) * V.body.dx
     A += -stabilisation.Gamma(V, MATERIAL) * squared_traces(stabilisation, u, v, MATERIAL, V.body) * V.body.dcrack
-    return dense(A), dense(BilinearForm(u * v * V.body.dx))
+    kept = np.array(without_negligible(A.Assemble().mat, V, V.FreeDofs()))
+    return to_scipy(A.mat).toarray(), dense(BilinearForm(u * v * V.body.dx)), kept
 
 
 def uncracked_matrices(mesh, order):
@@ -56,13 +59,10 @@ def condition(A, rigid=3):
     return values[-1] / values[rigid] if values[rigid] > 0 else np.inf
 
 
-def lowest(A, M, rigid=3):
-    """The square of the lowest eigenfrequency that is not zero."""
-    scale = 1 / np.sqrt(M.diagonal())
-    A, M = (B * scale[:, None] * scale for B in (A, M))
-    values, vectors = np.linalg.eigh(M)
-    regular = vectors[:, values > 1e-9] / np.sqrt(values[values > 1e-9])
-    return np.linalg.eigvalsh(regular.T @ A @ regular)[rigid]
+def lowest(A, M, S, rigid=3):
+    """The square of the lowest eigenfrequency that is not zero; S: a scaling in which A + M is well-conditioned."""
+    A, M = S.T @ A @ S, S.T @ M @ S
+    return 1 / eigh(M, A + M, eigvals_only=True)[-1 - rigid] - 1
 
 
 def by_diagonal(A):
@@ -90,25 +90,26 @@ def without_small_parts(A, V):
     return A[np.ix_(kept, kept)]
 
 
-def by_blocks(A, V):
-    """Sᵀ A S with the blocks of CrackScaling."""
-    A = by_diagonal(A)
-    S = np.eye(V.ndof)
-    for dofs in map(list, scaling_blocks(V)):
+def block_scaling(A, V, kept):
+    """S with the blocks of CrackScaling; its columns are those of the unknowns kept."""
+    scale = 1 / np.sqrt(A.diagonal())
+    S = np.diag(scale)
+    for dofs in ([dof for dof in block if kept[dof]] for block in scaling_blocks(V)):
         if dofs:
-            S[np.ix_(dofs, dofs)] = np.linalg.inv(np.linalg.cholesky(A[np.ix_(dofs, dofs)])).T
-    return S.T @ A @ S
+            block = A[np.ix_(dofs, dofs)] * scale[dofs][:, None] * scale[dofs]
+            S[np.ix_(dofs, dofs)] = scale[dofs][:, None] * np.linalg.inv(np.linalg.cholesky(block)).T
+    return S[:, kept]
 
 
 def measure(V, order, uncracked):
     """{scaling: condition number relative to the uncracked one}, and the softness."""
-    A, M = cracked_matrices(V)
+    A, M, kept = cracked_matrices(V)
     K, M0 = uncracked
     rigid, reference = 3 * VertexCopies(V).parts, condition(by_diagonal(K))
-    T = unshifted(V)
-    scaled = {"H": by_diagonal(T.T @ A @ T), "shifted": by_diagonal(A), "dropped": by_diagonal(without_small_parts(A, V)), "blocks": by_blocks(A, V)}
+    T, S = unshifted(V), block_scaling(A, V, kept)
+    scaled = {"H": by_diagonal(T.T @ A @ T), "shifted": by_diagonal(A), "dropped": by_diagonal(without_small_parts(A, V)), "blocks": S.T @ A @ S}
     found = {name: condition(B, rigid) / reference for name, B in scaled.items()}
-    found["softness"] = lowest(K, M0) / lowest(A, M, rigid)
+    found["softness"] = lowest(K, M0, np.diag(1 / np.sqrt(K.diagonal()))) / lowest(A, M, S, rigid)
     found["blocks, corrected"] = found["blocks"] / max(1, found["softness"])
     return found
 

@@ -24,7 +24,12 @@ namespace ngsxfem_contact
   {
     bool Cross (Point a, Point b, Point c, Point d)
     {
-      auto orient = [] (Point p, Point q, Point r) { return ngsxfem_contact::Cross(q-p, r-p); };
+      // the sign of three points on a line is round-off; segments that touch there are found by their end points
+      auto orient = [] (Point p, Point q, Point r)
+      {
+        double o = ngsxfem_contact::Cross(q-p, r-p);
+        return std::abs(o) <= 1e-14*Norm(Point(q-p))*Norm(Point(r-p)) ? 0 : o;
+      };
       return orient(a,b,c)*orient(a,b,d) < 0 && orient(c,d,a)*orient(c,d,b) < 0;
     }
 

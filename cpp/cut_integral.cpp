@@ -211,12 +211,21 @@ namespace ngsxfem_contact
     }
   }
 
+  /// Bytes for the evaluation of a function in all points of the largest rule: a tip close to a vertex takes 1e5 points.
+  static size_t HeapFor (const RuleTable & table, size_t num_elements)
+  {
+    size_t points = 0;
+    for (size_t i = 0; i < num_elements; i++)
+      if (auto rule = table.Find(i)) points = std::max<size_t>(points, rule->ir.Size());
+    return 10000000 + 8000*points;
+  }
+
   MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order)
   {
     MeasurePoints points;
     auto & mesh = *symbol.measure.body->GetMesh();
     auto table = symbol.measure.Rules(symbol.vb, order);
-    LocalHeap lh(10000000, "points of a measure");
+    LocalHeap lh(HeapFor(*table, mesh.GetNE(symbol.vb)), "points of a measure");
     for (auto el : mesh.Elements(symbol.vb))
       {
         if (symbol.definedonelements && !symbol.definedonelements->Test(el.Nr())) continue;
@@ -321,7 +330,7 @@ namespace ngsxfem_contact
     auto regions = DefinedOn(ma);
     std::atomic<bool> use_simd = true;
     std::atomic<double> sum = 0.0;
-    LocalHeap glh(10000000, "cut integral", true);
+    LocalHeap glh(HeapFor(*table, ma.GetNE(dx.vb)), "cut integral", true);
     ma.IterateElements(dx.vb, glh, [&] (Ngs_Element el, LocalHeap & lh)
     {
       if (dx.definedonelements && !dx.definedonelements->Test(el.Nr())) return;

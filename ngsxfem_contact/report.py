@@ -11,7 +11,7 @@ class Report:
     """What a solve did.
 
     inverse: the direct solver.    active: the active set of each iteration, the first is where it started.
-    coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of least-index pivoting.
+    coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of descent after a cycle.
     residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
     when u is recovered and NaN before (LoadSteps).    timings: seconds.
 

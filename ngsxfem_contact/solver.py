@@ -10,6 +10,7 @@ from .checks import check_coercive, check_data, check_multiplier, check_rigid_mo
 from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
 from .friction import transformation
+from .negligible import without_negligible
 from .report import Report, Stopwatch
 from .solution import ContactSolution, State
 
@@ -61,7 +62,8 @@ class ReducedProblem:
         self.system = system = problem.Assemble()
         check_data(system, problem)
         watch.Mark("assemble")
-        self.elimination = Elimination(system.stiffness, problem.V, problem.free, system.C, inverse)
+        free = without_negligible(system.stiffness, problem.V, problem.free)
+        self.elimination = Elimination(system.stiffness, problem.V, free, system.C, inverse)
         if check:
             check_coercive(problem, self.elimination)
         m = system.E.shape[0]

@@ -59,3 +59,10 @@ def test_arc_length_and_point_are_inverse(s):
 def test_points_survive_pickling_and_numpy():
     crack = Crack(np.array([(0, 0.1), (1, 1 / 3)]))
     assert pickle.loads(pickle.dumps(crack)).points == crack.points == [(0, 0.1), (1, 1 / 3)]
+
+
+def test_segments_on_one_line_do_not_meet():
+    """Orientations of collinear points are round-off; both cracks were refused as if their first and third segment met."""
+    for angle in np.linspace(0, 3, 50):
+        direction = np.array([np.cos(angle), np.sin(angle)])
+        Crack([tuple(0.1 + s * direction) for s in (0, 0.31, 0.47, 0.93)])
