@@ -8,7 +8,7 @@ from .elasticity import Elasticity
 from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
 from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 from .friction import Coulomb, Tresca
-from .growth import CrackGrowth, Increment, MaximumHoopStress, Paris, WingCracks
+from .growth import CrackGrowth, GivenIncrement, MaximumHoopStress, Paris, WingCracks
 from .interpolation import Interpolant, Projection
 from .nitsche import Nitsche
 from .nodal_newton import FixedPoint, FullNewton

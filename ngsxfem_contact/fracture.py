@@ -61,7 +61,7 @@ class EnergyReleaseRate:
 
 @dataclass
 class TipField:
-    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions σn on the lips, and a Load or None."""
+    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions σn on the lips, and an AppliedLoad or None."""
 
     gradient: dict
     stress: dict
@@ -92,7 +92,7 @@ def solution_field(solution):
     traction = solution.multiplier * body.normal
     if getattr(solution, "tangential_multiplier", None) is not None:
         traction = traction + solution.tangential_multiplier * body.tangent
-    return TipField(gradient, stress, dict.fromkeys(SIDE, traction), solution.problem.f)
+    return TipField(gradient, stress, dict.fromkeys(SIDE, traction), solution.load.applied)
 
 
 def _symmetric(gradient):
@@ -119,7 +119,7 @@ class TipIntegral:
 
     def _loads(self, a, b):
         moved = lambda f: [(self.q * (f.gradient[side] * self.frame.ahead)).Compile() for side in (None, *SIDE)]
-        return -sum(one.load.Evaluate(*moved(other), self.elements) for one, other in ((a, b), (b, a)) if one.load is not None)
+        return -sum(one.load.Evaluate(self.mesh, *moved(other), self.elements) for one, other in ((a, b), (b, a)) if one.load is not None)
 
     def _lips(self, a, b):
         """ν = -n on the plus lip, n on the minus lip."""
@@ -164,12 +164,12 @@ def elements_within(mesh, point, radius):
     return elements
 
 
-def disks(frame, radius):
+def disks(frame, material, radius):
     """The radii of the domains of integration: that given, or eight elements if there is room, and parts of it.
 
-    Raises ValueError if a disk leaves the body, meets another crack, or has less than two elements in its radius.
+    material: the problem's.    Raises ValueError if a disk leaves the body or the material of the tip, meets another crack, or has less than two elements in its radius.
     """
-    room, limit = frame.Clearance()
+    room, limit = frame.Clearance(material)
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
     if not radius > 0:
@@ -196,7 +196,7 @@ class InteractionIntegral:
     def Evaluate(self, solution, tip):
         """StressIntensityFactors of the largest domain, with their change over three."""
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
-        u, modes, radii = solution_field(solution), list(mode_fields(frame, material)), disks(frame, self.radius)
+        u, modes, radii = solution_field(solution), list(mode_fields(frame, material)), disks(frame, solution.problem.material, self.radius)
         integrals = [TipIntegral(solution.problem.W, frame, radius) for radius in radii]
         K = 4 * material.mu / (material.kappa + 1) * np.array([[I(u, mode) for mode in modes] for I in integrals])
         return StressIntensityFactors(*map(float, K[0]), float(np.ptp(K, axis=0).max()), radii, K, mode_coefficients(solution, tip))
@@ -269,7 +269,7 @@ def energy_release_rate(solution, tip, radius):
     material, frame = material_at(solution, tip), TipFrame(solution.body, tip)
     K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
     irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
-    u, radii = solution_field(solution), disks(frame, radius)
+    u, radii = solution_field(solution), disks(frame, solution.problem.material, radius)
     G = np.array([0.5 * TipIntegral(solution.problem.W, frame, r)(u, u) for r in radii])
     return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)
 

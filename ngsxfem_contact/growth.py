@@ -44,7 +44,7 @@ class WingCracks(MaximumHoopStress):
 
 
 @dataclass(frozen=True)
-class Increment:
+class GivenIncrement:
     """Every tip that grows advances by da."""
 
     da: float
@@ -112,7 +112,7 @@ class CrackGrowth:
     """Solves, evaluates K at every tip and lets the cracks grow, again and again; the mesh never changes.
 
     make_problem: function of a list of cracks that returns the ContactProblem on the one mesh, loads included.
-    cracks: the first cracks, a list of Crack.    law: Increment(da) or Paris(C, m, da).
+    cracks: the first cracks, a list of Crack.    law: GivenIncrement(da) or Paris(C, m, da).
     criterion: MaximumHoopStress() or WingCracks(), or an object with grows_closed, Angle and Driving.
     toughness: tips with less Driving stay as they are, in stress × √length; default 0.
     da should be three elements or more: the singular functions have room on the last straight part only.
@@ -165,7 +165,7 @@ class CrackGrowth:
             row.state = self._ended[crack, end] = f"stopped: {no_room}"
             return row
         row.K_I, row.K_II, row.error = factors.K_I, factors.K_II, factors.error
-        closed = is_closed(solution, number)
+        closed = row.K_I <= row.error or is_closed(solution, number)  # K_I < 0 is contact that the mesh does not resolve
         K = (0.0 if closed else row.K_I, row.K_II)
         row.driving, row.angle = self.criterion.Driving(*K), degrees(self.criterion.Angle(*K))
         row.state = self._arrest(row, closed)
@@ -186,16 +186,28 @@ class CrackGrowth:
             self._owed[key] = advance
             row.state = "waits: it grows less than half an increment"
             return
-        tip = next(t for t in solution.body.tips if (t.crack, ENDS[int(t.s > 0)]) == key)
-        angle = atan2(tip.ahead[1], tip.ahead[0]) + row.angle * pi / 180
-        point = (row.x + advance * cos(angle), row.y + advance * sin(angle))
-        try:
-            trial = [extended(crack, row.end, point) if i == row.crack else crack for i, crack in enumerate(self.cracks)]
-            check_room(CrackedMesh(solution.body.mesh, *trial), *key)
-        except Exception as obstacle:  # of the core: the new part leaves the body, meets a crack, or has no room
-            row.state = self._ended[key] = f"stopped: {obstacle}"
-        else:
-            self.cracks, row.advance, row.state = trial, advance, "grew"
+        obstacles = []
+        for trial in self._trials(solution, row, advance):
+            try:
+                check_room(CrackedMesh(solution.body.mesh, *trial), solution.problem.material, *key)
+            except Exception as obstacle:  # of the core: the new part leaves the body, meets a crack, or has no room
+                obstacles.append(obstacle)
+            else:
+                self.cracks, row.advance, row.state = trial, advance, "grew"
+                return
+        row.state = self._ended[key] = f"stopped: {obstacles[0]}"
+
+    def _trials(self, solution, row, advance):
+        """The cracks with the new part; then with the kink up to an element further ahead: a crack may pass an element once only."""
+        number = next(i for i, tip in enumerate(solution.body.tips) if (tip.crack, ENDS[int(tip.s > 0)]) == (row.crack, row.end))
+        frame = TipFrame(solution.body, number)
+        tip, ahead = np.array(frame.tip.point), np.array(frame.tip.ahead)
+        turn = row.angle * pi / 180
+        direction = cos(turn) * ahead + sin(turn) * np.array([-ahead[1], ahead[0]])
+        for shift in min(frame.h, 0.5 * advance) * np.linspace(0, 1, 9):
+            kink = tip + shift * ahead
+            crack = extended(self.cracks[row.crack], row.end, tuple(kink), tuple(kink + (advance - shift) * direction))
+            yield [crack if i == row.crack else other for i, other in enumerate(self.cracks)]
 
     @property
     def table(self):
@@ -227,17 +239,17 @@ class CrackGrowth:
         return animate(self.solutions, path, titles, scale, seconds)
 
 
-def extended(crack, end, point):
-    """The crack with a straight new part from its start or end to a point."""
-    return Crack([point, *crack.points] if end == "start" else [*crack.points, point])
+def extended(crack, end, kink, tip):
+    """The crack with its start or end moved to a kink, and a straight new part from there to a tip."""
+    return Crack([tip, kink, *crack.points[1:]] if end == "start" else [*crack.points[:-1], kink, tip])
 
 
-def check_room(body, crack, end):
+def check_room(body, material, crack, end):
     """Raises ValueError unless this end of the crack is a tip with a disk of two elements around it."""
     for number, tip in enumerate(body.tips):
         if (tip.crack, ENDS[int(tip.s > 0)]) == (crack, end):
             frame = TipFrame(body, number)
-            room, limit = frame.Clearance()
+            room, limit = frame.Clearance(material)
             if room <= 2.5 * frame.h:
                 raise ValueError(f"the new tip {tip.point} would be {room:.4g} from {limit}, less than 2.5 elements (h = {frame.h:.4g})")
             return

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .load import AppliedLoad
 from .solver import ReducedProblem
 
 
@@ -10,6 +11,7 @@ class LoadCase:
 
     def __init__(self, problem):
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
+        self.applied = AppliedLoad.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
         if not np.isfinite(np.append(self.F, self.given)).all():
             raise ValueError("LoadCase: a load or a given displacement is not finite (NaN or inf)")
@@ -36,7 +38,7 @@ class LoadSteps:
 
     def __init__(self, problem, cases=None, inverse=None):
         self.reduced = ReducedProblem(problem, inverse)
-        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given) for case in cases]
+        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied) for case in cases]
         if not self.loads:
             raise ValueError("LoadSteps: there is no load case")
         self.last = None

@@ -9,7 +9,7 @@ from . import _ngsxfem_contact as core
 from .cones import CONES
 from .elasticity import Isotropic
 from .friction import Friction, Frictionless
-from .load import Load
+from .load import LoadForm
 from .operators import Strain
 from .solver import solve
 from .spaces import check_regions, to_scipy
@@ -59,7 +59,7 @@ class ContactProblem:
         self.cone = CONES[cone]
         self.friction = friction if friction is not None else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
-        self.f = Load(V)
+        self.f = LoadForm(V)
         self.given = GridFunction(V)
         self.pinned = []
         self.free = BitArray(V.FreeDofs())

@@ -43,11 +43,13 @@ class ContactSolution:
 
     u may be a function without arguments that computes it: it is called when u is first used.
     tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
+    load: the Load of this step: F, and the terms it comes from.
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
     """
 
-    def __init__(self, problem, u, multipliers, report, gamma, state):
+    def __init__(self, problem, u, multipliers, report, gamma, state, load=None):
         self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
+        self.load = load
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
     @property
@@ -132,7 +134,7 @@ class ContactSolution:
             object with Evaluate(solution, tip): InteractionIntegral, ModeCoefficients, JumpExtrapolation.
         radius: of the largest disk, in the unit of length; default eight elements, less where there is no room.
         The crack may bend inside the disk; ∂Ω and other cracks must be outside. The material is the same in the disk, and
-        the load is as it was when the problem was solved.
+        coefficients of the load (such as a Parameter) have the values of the solve.
         Raises ValueError for a disk that does not fit, for a method that the space does not allow, and for a load on
         derivatives of the test function.
         """
@@ -147,7 +149,7 @@ class ContactSolution:
 
     def PotentialEnergy(self):
         """Π = ½ a(u, u) - L(u). Without friction G = -dΠ/da, a the length of the crack."""
-        return self.Energy() - InnerProduct(self.problem.f.Assemble().vec, self.u.vec)
+        return self.Energy() - float(self.load.F @ self.u.vec.FV().NumPy())
 
     def Draw(self, **options):
         """Shows the deformed body with the crack open in a notebook; options as for ngsolve.webgui.Draw."""

@@ -10,6 +10,7 @@ from .checks import check_coercive, check_data, check_multiplier, check_rigid_mo
 from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
 from .friction import transformation
+from .load import AppliedLoad
 from .negligible import without_negligible
 from .report import Report, Stopwatch
 from .solution import ContactSolution, State
@@ -39,12 +40,13 @@ class Load:
     given: np.ndarray
     reduced: ReducedLoad
     g: np.ndarray
+    applied: AppliedLoad
 
     def __add__(self, other):
-        return Load(self.F + other.F, self.given + other.given, self.reduced + other.reduced, self.g + other.g)
+        return Load(self.F + other.F, self.given + other.given, self.reduced + other.reduced, self.g + other.g, self.applied + other.applied)
 
     def __rmul__(self, factor):
-        return Load(factor * self.F, factor * self.given, factor * self.reduced, factor * self.g)
+        return Load(factor * self.F, factor * self.given, factor * self.reduced, factor * self.g, factor * self.applied)
 
 
 class ReducedProblem:
@@ -74,12 +76,12 @@ class ReducedProblem:
 
     def PresentLoad(self):
         """The Load of what the problem holds now."""
-        return self.Load(self.problem.Loads(), self.problem.given.vec.FV().NumPy().copy())
+        return self.Load(self.problem.Loads(), self.problem.given.vec.FV().NumPy().copy(), AppliedLoad.Of(self.problem.f))
 
-    def Load(self, F, given):
-        """The Load of a vector F and given displacements, arrays of length ndof: one back-substitution."""
+    def Load(self, F, given, applied):
+        """The Load of a vector F and given displacements, arrays of length ndof, F the vector of `applied`: one back-substitution."""
         reduced = self.elimination.Reduce(F - self.system.Stiffness(given) if given.any() else F)
-        return Load(F, given, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given)
+        return Load(F, given, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied)
 
     def Displacement(self, L, load=None):
         """U for a multiplier L: one back-substitution."""
@@ -115,7 +117,7 @@ class ReducedProblem:
         moments = load.g + self.S @ L
         recover = lambda: self._recover(report, load, L, G, p, T, cone)
         state = State(self.system.nodes, L, moments, moments - G)
-        return ContactSolution(problem, recover, multipliers(problem, self.system, L), report, self.system.gamma, state)
+        return ContactSolution(problem, recover, multipliers(problem, self.system, L), report, self.system.gamma, state, load)
 
     def _gaps(self, previous):
         """G of the second row of (38); its tangential part is (B - C_γ)_t U + D_γ L_t of the previous solution.

@@ -5,6 +5,8 @@ from math import pi
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
 
+from .split_mesh import mesh_arrays
+
 SIDE = {"plus": 1, "minus": -1}
 
 
@@ -66,17 +68,22 @@ class TipFrame:
         rows = [scale * (along[i] * a + across[i] * b) for i in range(2)]
         return CF(tuple(a[i] * rows[0][j] + b[i] * rows[1][j] for i in range(2) for j in range(2)), dims=(2, 2))
 
-    def Clearance(self):
-        """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip."""
+    def Clearance(self, material=None):
+        """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
+
+        material: with that of several regions also of the regions that are not of the tip's material.
+        """
         point, crack = np.array(self.tip.point), self.crack
         found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]
+        if hasattr(material, "regions"):
+            found.append((distance_to_others(self.body.mesh, point, material), "another material"))
         for number, other in enumerate(self.body.cracks):
             if number != self.tip.crack:
                 found.append((float(np.hypot(*(other.PointAt(other.ArcLength(tuple(point))) - point))), f"crack {number}"))
         path = np.array([crack.PointAt(s) for s in np.linspace(0, crack.length, 500)]) - point
         distance = np.hypot(*path.T)
         found.append((distance[0 if self.tip.s > 0 else -1], "the crack's other end"))
-        bent = (path @ self.tip.ahead > 1e-9 * crack.length)
+        bent = path @ self.tip.ahead > 1e-9 * crack.length
         if bent.any():
             found.append((distance[bent].min(), "a part of the same crack"))
         return min(found)
@@ -86,6 +93,20 @@ def distance_to_boundary(mesh, point):
     """Of a point from ∂Ω, without inner interfaces."""
     outer = [el for el in mesh.Elements(BND) if len(mesh[el.edges[0]].elements) == 1]
     a, b = (np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
+    return distance_to_segments(a, b, point)
+
+
+def distance_to_others(mesh, point, material):
+    """Of a point from the triangles of another material than that at the point; inf if there are none."""
+    here = material.At(mesh, point)
+    other = np.array([region != here for region in material.regions])
+    vertices, triangles = mesh_arrays(mesh)
+    corners = vertices[triangles[other[[el.index for el in mesh.Elements()]]]]
+    return distance_to_segments(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), point) if len(corners) else np.inf
+
+
+def distance_to_segments(a, b, point):
+    """Of a point from the nearest of the segments from a to b, (n, 2) each."""
     t = np.clip(np.einsum("ij,ij->i", point - a, b - a) / np.einsum("ij,ij->i", b - a, b - a), 0, 1)
     return float(np.hypot(*(a + t[:, None] * (b - a) - point).T).min())
 

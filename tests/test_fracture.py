@@ -7,10 +7,10 @@ import pytest
 from helpers import rectangle
 from netgen.meshing import MeshingParameters
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, Grad, InnerProduct, Mesh, x, y
+from ngsolve import CF, Grad, InnerProduct, LinearForm, Mesh, x, y
 
 from ngsxfem_contact import (
-    ContactProblem, Crack, CrackedMesh, CrackFESpace, InteractionIntegral, Minus, Plus, TipEnrichment, TraceSpace,
+    ContactProblem, Crack, CrackedMesh, CrackFESpace, InteractionIntegral, LoadSteps, Minus, Plus, TipEnrichment, TraceSpace,
 )
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact import fracture_solutions as fs
@@ -261,3 +261,19 @@ def test_loads_that_cannot_be_evaluated():
     problem.f += 1e-12 * x * Grad(v)[0, 0] * problem.body.dx
     with pytest.raises(ValueError, match="operator .'grad'. of the test function"):
         problem.Solve().StressIntensity()
+
+
+def test_a_form_whose_terms_are_not_known():
+    problem = paper_problem(unstructured_mesh(0.05))
+    problem.f = LinearForm(problem.V)
+    with pytest.raises(ValueError, match="add those to problem.f"):
+        problem.Solve().StressIntensity()
+
+
+def test_load_steps_have_their_own_load():
+    """Half of the load: half of K, and half of the body force in its integral; what is added to the problem later is not in it."""
+    problem = paper_problem(unstructured_mesh(0.05), "A")
+    steps, whole = LoadSteps(problem), problem.Solve().StressIntensity()
+    problem.f += CF((0, 100 * y)) * problem.V.TestFunction() * problem.body.dx
+    half = steps.Solve(0.5).StressIntensity()
+    assert half.K_I == pytest.approx(0.5 * whole.K_I, rel=1e-9)
