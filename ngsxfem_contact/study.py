@@ -136,7 +136,7 @@ def solve_record(reduced, cone, measure, gamma, key):
     """The record of one solve."""
     record = key | {"cone": cone, "triangles": reduced.problem.V.mesh.ne, "unknowns": [reduced.problem.V.ndof, reduced.problem.W.ndof]}
     try:
-        solution = reduced.Solve(CONES[cone])
+        solution = reduced.Solve(cone=CONES[cone])
     except SolveError as error:
         return record | {"error": None, "reason": f"{type(error).__name__}: {error}"}
     return record | {
