@@ -32,7 +32,6 @@ docs: notebooks ## build the documents in build/docs, warnings are errors
 lint: $(VENV)/dev_tools.stamp ## check format, style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/clang-format --dry-run --Werror $(CPP)
 	$(BIN)/mypy
 
 format: $(VENV)/dev_tools.stamp ## format Python and C++

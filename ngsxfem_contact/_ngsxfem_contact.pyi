@@ -4,12 +4,16 @@ from __future__ import annotations
 import collections.abc
 import ngsolve.comp
 import ngsolve.fem
+import ngsolve.la
 import numpy
+import numpy.typing
 import pyngcore.pyngcore
 import typing
 
 __all__: list[str] = [
+    "BorderedMatrix",
     "Crack",
+    "CrackBilinearForm",
     "CrackEnd",
     "CrackFESpace",
     "CrackedMesh",
@@ -19,9 +23,12 @@ __all__: list[str] = [
     "ElementKind",
     "ElementLocation",
     "EndKind",
+    "InnerIntegrals",
     "MeshTraceBasis",
     "NodalTraceBasis",
+    "NumNegativePivots",
     "Piece",
+    "SchurComplement",
     "Side",
     "Tip",
     "TipBasis",
@@ -35,6 +42,11 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     def Points(self, order: int) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
         Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order.
+        """
+
+    def PrepareRules(self, order: int) -> None:
+        """
+        Makes the rules of this order now, which are otherwise made when they are first used, and kept.
         """
 
     def __call__(
@@ -95,6 +107,11 @@ class Crack:
     def length(self) -> float: ...
     @property
     def points(self) -> list[tuple[float, float]]: ...
+    @property
+    def side(self) -> ngsolve.fem.CoefficientFunction:
+        """
+        H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.
+        """
 
 class ElementKind:
     """
@@ -347,6 +364,14 @@ class CrackFESpace(ngsolve.comp.FESpace):
     @property
     def tip_specs(self) -> list[TipSpec | None]: ...
 
+class CrackBilinearForm(ngsolve.comp.BilinearForm):
+    """
+    NGSolve's BilinearForm on a CrackFESpace, with the rows of the tip functions, as long as their disks are large, written directly:
+    the same matrix, assembled faster. Flags as for BilinearForm, but for those that choose another storage.
+    """
+
+    def __init__(self, space: CrackFESpace, name: str = "crack_form", **kwargs) -> None: ...
+
 class TraceSpace(ngsolve.comp.FESpace):
     def __init__(self, body: CrackedMesh, basis: TraceBasis, order: int) -> None: ...
     @property
@@ -376,6 +401,39 @@ class MeshTraceBasis(TraceBasis):
     def __init__(
         self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
+
+def BorderedMatrix(
+    matrix: ngsolve.la.SparseMatrixd,
+    inner: pyngcore.pyngcore.BitArray,
+    height: int,
+    first: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    row: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> tuple:
+    """
+    Upper triangle of [A, K^T; K, 0], A on the inner unknowns, in CSR format: (first, column, value). K in CSC format.
+    """
+
+def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
+    """
+    The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).
+    """
+
+def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:
+    """
+    Number of negative eigenvalues of a factorised matrix; -1: a pivot is not finite.
+    """
+
+def SchurComplement(
+    factors: ngsolve.la.BaseMatrix,
+    height: int,
+    first: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    row: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    K inv(A) K^T, dense, from sparsecholesky factors of A and K in CSC format.
+    """
 
 def Variation(form: ngsolve.comp.SumOfIntegrals) -> ngsolve.comp.SumOfIntegrals:
     """

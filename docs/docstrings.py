@@ -1,0 +1,64 @@
+"""The docstrings of the package as reStructuredText.
+
+They are written to be read as they are: paragraphs, and lines "name: what it is.    other: ..." with continuations indented.
+"""
+
+import re
+
+ITEM = re.compile(r"^((?:[\w*]+(?:, | and )?)+): ")
+
+
+def as_restructured_text(app, what, name, obj, options, lines):
+    """Sphinx calls this for each docstring; lines are changed in place."""
+    text = "\n".join(lines)
+    text = re.sub(r"\n(?:Members:|__init__\().*", "", text, flags=re.S)  # of pybind11
+    lines[:] = [line for paragraph in re.split(r"\n\s*\n", text) for line in paragraph_lines(paragraph)]
+
+
+def paragraph_lines(paragraph):
+    """A paragraph, or one line block if it lists arguments."""
+    items = joined(paragraph.splitlines())
+    if not any(ITEM.match(item) for item in items):
+        return [escaped(" ".join(items)), ""]
+    return [*("| " + ITEM.sub(lambda match: f"**{match[1]}**: ", escaped(item)) for item in items), ""]
+
+
+def joined(lines):
+    """Continuations joined to their line, and lines with several items divided."""
+    items = []
+    for line in lines:
+        parts = re.split(r" {4}(?=\w[\w, ]*: )", line) if line.strip() else []
+        if not parts:
+            continue
+        starts = ITEM.match(parts[0]) or not items or not (line.startswith(" ") or items and not ITEM.match(items[-1]))
+        if starts:
+            items.append(parts[0].strip())
+        else:
+            items[-1] += " " + parts[0].strip()
+        items += [part.strip() for part in parts[1:]]
+    return items
+
+
+def escaped(text):
+    """Code in backticks as literals, all else without meaning for docutils."""
+    parts = re.split(r"`([^`]*)`", text)
+    return "".join(f"``{part}``" if i % 2 else re.sub(r"([*|_\\])", r"\\\1", part) for i, part in enumerate(parts))
+
+
+def short_signature(app, what, name, obj, options, signature, returned):
+    """pybind11's signatures with the types that one would write."""
+    if not signature:
+        return None
+    short = [re.sub(r"self: [\w.]+(, )?", "", signature), returned or ""]
+    for long, name in LONG.items():
+        short = [re.sub(long, name, text) for text in short]
+    return short[0], short[1] or None
+
+
+LONG = {
+    r"(?:\w+\.)+(?=[A-Z])": "",
+    r"SupportsInt( \| SupportsIndex)?": "int",
+    r"SupportsFloat( \| SupportsIndex)?": "float",
+    r"Annotated\[(.*), .FixedSize\(\d\).\]": r"\1",
+    r"collections\.abc\.": "",
+}
