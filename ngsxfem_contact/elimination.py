@@ -10,7 +10,7 @@ from . import _ngsxfem_contact as core
 from . import pardiso
 from .spaces import csr_view, mask
 
-PARDISO_PAYS = 200_000  # unknowns; below, its analysis costs what its factorisation saves (docs/measured.md)
+PARDISO_PAYS = 30_000  # unknowns; below, NGSolve's sparse Cholesky is as fast or faster (docs/measured.md)
 
 
 class BackSubstitution:

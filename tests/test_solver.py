@@ -14,7 +14,7 @@ from ngsxfem_contact import (
     TipEnrichment, TraceSpace, pardiso,
 )  # fmt: skip
 from ngsxfem_contact.active_set import coarse_start, solve_active_set
-from ngsxfem_contact.elimination import BackSubstitution, Elimination, PartialFactorisation
+from ngsxfem_contact.elimination import BackSubstitution, Elimination, PartialFactorisation, default_inverse
 from ngsxfem_contact.paper import PAIRS, paper_problem, unstructured_mesh
 from ngsxfem_contact.solver import ReducedProblem
 from ngsxfem_contact.spaces import to_scipy
@@ -113,6 +113,12 @@ def test_pardiso_without_mkl_says_what_to_install(monkeypatch):
     with pytest.raises(ImportError, match=r"pip install mkl.*ngsxfem_contact\[fast\]"):
         problem_on().Solve(inverse="pardiso")
     assert problem_on().Solve().report.inverse == "sparsecholesky"
+
+
+@pytest.mark.parametrize(("size", "installed", "chosen"), [(10**6, True, "pardiso"), (10**6, False, "sparsecholesky"), (100, True, "sparsecholesky")])
+def test_pardiso_is_chosen_for_large_problems(monkeypatch, size, installed, chosen):
+    monkeypatch.setattr(pardiso, "is_available", lambda: installed)
+    assert default_inverse(size) == chosen
 
 
 # First active sets
