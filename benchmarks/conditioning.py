@@ -2,6 +2,7 @@
 
     python benchmarks/conditioning.py [--random 100] [--adversarial 16] [--orders 1 2] [--tips none modes branch]
     python benchmarks/conditioning.py --disk     with larger and larger disks of tips
+    python benchmarks/conditioning.py --strip    a crack beside a line of edges, closer and closer
 
 Scalings: "H": the functions H φ_i, by the diagonal; "shifted": ½(H - s_i) φ_i, by the diagonal; "dropped": the same without the functions
 that have less than 1e-4 of the energy of φ_i; "blocks": CrackScaling of the package.
@@ -168,6 +169,19 @@ def disks():
                 print(f"P{order:<5}{tip:8}{h:7}{r1 / h:6.1f}" + "".join(f"{found[name]:19.3g}" for name in ("shifted", "blocks", "blocks, corrected")), flush=True)
 
 
+def strips():
+    """The functions on the strip between a line of edges and the crack."""
+    print(f"{'order':6}{'distance/h':>11}{'H':>10}{'shifted':>10}{'dropped':>10}{'blocks':>10}{'softness':>10}{'blocks, corrected':>19}{'left out':>10}")
+    for order in (1, 2):
+        for distance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9):
+            mesh, crack, _ = adversarial.position("along edges", 0, distance)
+            V = CrackFESpace(CrackedMesh(mesh, crack), order=order, tip=None)
+            found = measure(V, order, uncracked_matrices(mesh, order))
+            names = ("H", "shifted", "dropped", "blocks", "softness")
+            left_out = int((~cracked_matrices(V)[2]).sum())
+            print(f"P{order:<5}{distance:11.0e}" + "".join(f"{found[name]:10.3g}" for name in names) + f"{found['blocks, corrected']:19.3g}{left_out:10}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--random", type=int, default=100)
@@ -175,9 +189,11 @@ def main():
     parser.add_argument("--orders", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--tips", nargs="+", default=["none", "modes", "branch"], choices=["none", "modes", "branch"])
     parser.add_argument("--disk", action="store_true")
+    parser.add_argument("--strip", action="store_true")
     arguments = parser.parse_args()
     ngsglobals.msg_level = 0
-    disks() if arguments.disk else study(arguments)
+    run = disks if arguments.disk else strips if arguments.strip else lambda: study(arguments)
+    run()
 
 
 if __name__ == "__main__":

@@ -46,5 +46,5 @@ def ConditionNumber(problem):
     """
     check_rigid_motions(problem)
     matrix = problem.Assemble().stiffness
-    values = np.array(EigenValues_Preconditioner(mat=matrix, pre=CrackScaling(matrix, problem.V, problem.free), tol=1e-8))
+    values = np.array(EigenValues_Preconditioner(mat=matrix, pre=CrackScaling(matrix, problem.V, problem.free), tol=1e-16))
     return float(values.max() / values.min())

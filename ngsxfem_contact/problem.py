@@ -10,6 +10,7 @@ from .cones import CONES
 from .elasticity import Isotropic
 from .friction import Friction, Frictionless
 from .load import LoadForm
+from .mouths import mouth_weight
 from .operators import Strain
 from .solver import solve
 from .spaces import check_regions, to_scipy
@@ -97,7 +98,7 @@ class ContactProblem:
         return nearest
 
     def SetDirichlet(self, value, region):
-        """Sets u on a boundary region of V's dirichlet parts: the L² projection of value's trace, both sides at a mouth.
+        """Sets u on a boundary region of V's dirichlet parts: the weighted L² projection of value's trace, both sides at a mouth.
 
         value: CoefficientFunction with two components or tuple.    Raises ValueError for a region that is not fixed.
         """
@@ -107,9 +108,10 @@ class ContactProblem:
             raise ValueError(f"SetDirichlet: the value has {value.dim} component(s), the displacement has 2")
         V, body = self.V, self.body
         u, v = V.TnT()
-        mass = to_scipy(BilinearForm(u * v * body.ds(region)).Assemble().mat)
+        weight = mouth_weight(body)
+        mass = to_scipy(BilinearForm(weight * u * v * body.ds(region)).Assemble().mat)
         zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
-        load = LinearForm((value + CoefficientFunction((zero, zero))) * v * body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
+        load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
         diagonal = mass.diagonal()
         dofs = np.flatnonzero(diagonal > 1e-14 * diagonal.max())
         if np.array([self.free[int(dof)] for dof in dofs]).any():

@@ -19,6 +19,7 @@ from ngsxfem_contact import (
 )  # fmt: skip
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact.active_set import descend, solve_active_set
+from ngsxfem_contact.mouths import mouth_weight
 from ngsxfem_contact.paper import PAIRS, paper_problem, unstructured_mesh
 from ngsxfem_contact.spaces import mass_matrix, to_scipy
 
@@ -163,7 +164,7 @@ def test_given_displacement_is_the_projection_of_the_trace():
     value = CF((y**4, y**3))
     problem = given_on_the_left(value)
     v = problem.V.TestFunction()
-    against = lambda f: vector(f * v * problem.body.ds("left", bonus_intorder=10))
+    against = lambda f: vector(mouth_weight(problem.body) * f * v * problem.body.ds("left", bonus_intorder=10))
     assert np.abs(against(problem.given) - against(value)).max() < 1e-14
     assert np.abs(against(value)).max() > 1e-3
 

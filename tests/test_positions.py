@@ -43,6 +43,12 @@ def test_errors_do_not_depend_on_the_position(case):
         assert max(errors) < factor * np.median(errors)
 
 
+def test_a_mouth_close_to_a_vertex_of_a_fixed_boundary():
+    """At 0.006 and 0.007 of an edge: the projection of the given displacement must not spoil the nodes beside it; 1.55 times with equal weights."""
+    errors = [solve_closed("d", seed, "P1/P0")["energy"] for seed in (0, 9, 1)]
+    assert max(errors[:2]) < 1.05 * errors[2]
+
+
 def test_positions_of_one_mesh_are_of_one_mesh():
     meshes = [closed_position(seed)[0] for seed in range(2)]
     assert meshes[0].ne == meshes[1].ne
@@ -60,7 +66,7 @@ def test_condition_numbers_do_not_depend_on_the_position(kind, displacement):
         V = CrackFESpace(CrackedMesh(mesh, crack), order=order, tip=None)
         found = conditioning.measure(V, order, conditioning.uncracked_matrices(mesh, order))
         assert found["blocks, corrected"] < 5  # 1.2 to 2.5 measured
-    assert found["shifted"] > 10 * found["blocks"]  # P2, by the diagonal
+    assert kind != "along edges" or found["shifted"] > 10 * found["blocks"]  # P2, by the diagonal
 
 
 def test_condition_number_of_a_problem():
