@@ -194,22 +194,23 @@ def measure(size, body, pair, threads, repeats, inverse):
 
 
 def peak_memory(size, body, pair, inverse):
-    """Bytes that a solve adds to a process, beside what the plain solve adds; each in its own process."""
-    peaks = {}
+    """Peak of a process that solves once, and by how much the solve raised it, in bytes; contact and plain."""
+    memory = {}
     for which in ("contact", "plain"):
         command = [sys.executable, os.path.abspath(__file__), "--one-solve", which, "--sizes", str(size), "--bodies", body, "--pairs", pair]
         run = subprocess.run([*command, "--inverse", inverse], capture_output=True, text=True, check=True)
-        peaks[which] = int(run.stdout.split()[-1])
-    return peaks
+        memory[which] = dict(zip(("peak", "growth"), map(int, run.stdout.split()[-2:])))
+    return memory
 
 
 def one_solve(which, size, body, pair, inverse):
-    """Prints the growth of the peak memory in bytes."""
+    """Prints the peak memory after a solve and its growth by the solve."""
     case = Case(unit_square(size), body, pair)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with TaskManager():
         case.Problem().Solve(inverse=inverse) if which == "contact" else case.PlainSolve(inverse)
-    print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * 1024)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    print(peak * 1024, (peak - before) * 1024)
 
 
 def getfem(mesh, order, repeats, python="/usr/bin/python3"):

@@ -67,16 +67,17 @@ def test_closed_crack_under_uniform_stress_is_exact(pair, angle):
 
 
 def defect_of_the_rules(solution, exact):
-    """By how much the rules miss ∫σ:ε(χF) + ∫λ g_n(χF) = 0, σ uniform, relative to the energy norm of χF."""
+    """By how much the matrix's rules miss ∫σ:ε(χF) + ∫λ g_n(χF) = 0, σ uniform, relative to the energy norm of χF."""
     V, body = solution.problem.V, solution.body
     v = V.TestFunction()
-    miss = vector(InnerProduct(exact.stress, Grad(v)) * body.dx + exact.pressure * InnerProduct(Jump(v), body.normal) * body.dcrack)
+    # of the order of the matrix, which NGSolve lowers by the derivatives
+    miss = vector(InnerProduct(exact.stress, Grad(v)) * body.dx(bonus_intorder=-2) + exact.pressure * InnerProduct(Jump(v), body.normal) * body.dcrack)
     energy = stiffness_by_hand(solution.problem).diagonal()
     tips = list(V.TipDofs(0))
     return np.linalg.norm(miss[tips] / np.sqrt(energy[tips]))
 
 
-@pytest.mark.parametrize(("options", "bound"), [({"tolerance": 1e-10}, 1e-8), ({}, 1e-4)], ids=["fine rules", "default rules"])
+@pytest.mark.parametrize(("options", "bound"), [({"tolerance": 1e-10}, 1e-8), ({}, 1e-5)], ids=["fine rules", "default rules"])
 @pytest.mark.parametrize("functions", ["modes", "branch"])
 @pytest.mark.parametrize("pair", PAIRS)
 def test_with_tip_functions_uniform_stress_is_exact_to_the_defect_of_the_rules(pair, functions, options, bound):
@@ -85,8 +86,7 @@ def test_with_tip_functions_uniform_stress_is_exact_to_the_defect_of_the_rules(p
     solution = rotated_problem(exact, pair, 0.41, 0.2, tip=tip).Solve()
     defect = defect_of_the_rules(solution, exact)
     assert defect < bound
-    # the tip functions are far from orthogonal to the others; the rules on the crack are not part of the defect
-    assert max(errors(solution, exact)) < 100 * defect + (1e-10 if options else 1e-6)
+    assert max(errors(solution, exact)) < 100 * defect + 1e-10  # the tip functions are far from orthogonal to the others
 
 
 def held_above_and_below(pair, stabilisation):
@@ -121,13 +121,14 @@ def test_slipping_tip_stays_closed(maxh):
 
 
 def test_default_rules_do_no_harm():
-    """Energy error and K_II with rules of the default tolerance and of 1e-10: far below the error of discretisation."""
-    exact, results = cf.slipping_tip(MATERIAL), []
-    for options in ({}, {"tolerance": 1e-10}):
-        solution = rotated_problem(exact, "P2/P1", 0.41, 0.04, tip=TipEnrichment(r1=0.4, material=MATERIAL, **options)).Solve()
-        results.append((errors(solution, exact)[0], solution.StressIntensity().K_II))
-    (error, K), (fine_error, fine_K) = results
-    assert error == pytest.approx(fine_error, rel=1e-3) and abs(K - fine_K) < 1e-5
+    """Mean errors of energy and K_II over three bodies with rules of the default tolerance, beside those of 1e-10."""
+    exact, results = cf.slipping_tip(MATERIAL), {}
+    for tolerance in (TipEnrichment.tolerance, 1e-10):
+        tip = TipEnrichment(r1=0.4, material=MATERIAL, tolerance=tolerance)
+        solutions = [rotated_problem(exact, "P2/P1", angle, 0.05, tip=tip).Solve() for angle in (0.2, 0.41, 0.6)]
+        results[tolerance] = np.array([(errors(s, exact)[0], s.StressIntensity().K_II - 1) for s in solutions])
+    usual, fine = results.values()
+    assert (np.abs(usual - fine).max(axis=0) < 0.01 * np.abs(fine).mean(axis=0)).all()
 
 
 def test_slipping_tip_converges():
@@ -234,9 +235,9 @@ def test_solution_satisfies_38():
 
 @pytest.mark.parametrize("pair", PAIRS)
 def test_energy_and_contact_force(pair):
-    solution = coarse(pair=pair).Solve()
+    solution = coarse(pair=pair, tip=TipEnrichment(material=MATERIAL, tolerance=1e-10)).Solve()
     K, U = stiffness_by_hand(solution.problem), array(solution.u.vec)
-    assert solution.Energy() == pytest.approx(0.5 * U @ (K @ U), rel=1e-6)  # rules of different order, of the default tolerance 1e-4
+    assert solution.Energy() == pytest.approx(0.5 * U @ (K @ U), rel=1e-9)  # rules of different order
     mu = solution.problem.W.TestFunction()
     assert solution.ContactForce() == pytest.approx(multiplier(solution) @ vector(mu * solution.body.dcrack), rel=1e-12)
 
