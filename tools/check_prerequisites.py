@@ -16,7 +16,8 @@ def has_python():
 
 def has_venv():
     try:
-        import ensurepip, venv  # noqa: E401, F401
+        import ensurepip  # noqa: E401, F401
+        import venv
     except ImportError:
         return False
     return True
