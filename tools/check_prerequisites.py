@@ -16,8 +16,7 @@ def has_python():
 
 def has_venv():
     try:
-        import ensurepip  # noqa: E401, F401
-        import venv
+        import ensurepip, venv  # noqa: E401, F401
     except ImportError:
         return False
     return True
