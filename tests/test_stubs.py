@@ -13,7 +13,9 @@ from ngsxfem_contact import _ngsxfem_contact as extension
 STUB = Path(ngsxfem_contact.__file__).with_name("_ngsxfem_contact.pyi")
 TREE = ast.parse(STUB.read_text(encoding="utf-8"))
 CLASSES = {node.name: node for node in TREE.body if isinstance(node, ast.ClassDef)}
-OF_EVERY_OBJECT = re.compile(r"__(getstate|setstate|flags_doc|eq|ne|hash|str|repr|module|doc|reduce(_ex)?|pybind11\w*|dict|weakref)__|__entries|_pybind11_conduit_v1_")
+OF_EVERY_OBJECT = re.compile(
+    r"__(getstate|setstate|flags_doc|eq|ne|hash|str|repr|module|doc|reduce(_ex)?|pybind11\w*|dict|weakref)__|__entries|_pybind11_conduit_v1_"
+)
 
 
 def arguments(function):

@@ -1,6 +1,6 @@
 """Screenshots of pages that NGSolve's webgui wrote, in headless Chromium without a network.
 
-    python tools/screenshot.py page.html picture.png [width height]
+python tools/screenshot.py page.html picture.png [width height]
 """
 
 import subprocess

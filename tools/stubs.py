@@ -1,6 +1,6 @@
 """Writes ngsxfem_contact/_ngsxfem_contact.pyi, the types of the extension, from the extension that is installed.
 
-    python tools/stubs.py [folder]         needs pybind11-stubgen and ruff, `make stubs` brings both
+python tools/stubs.py [folder]         needs pybind11-stubgen and ruff, `make stubs` brings both
 """
 
 import ast
@@ -10,7 +10,11 @@ import tempfile
 from pathlib import Path
 
 NAME = "_ngsxfem_contact"
-TYPES = {"pyngcore.pyngcore.BitArray = None": "pyngcore.pyngcore.BitArray | None = None", "typing.SupportsInt | typing.SupportsIndex": "int", "typing.SupportsFloat | typing.SupportsIndex": "float"}
+TYPES = {
+    "pyngcore.pyngcore.BitArray = None": "pyngcore.pyngcore.BitArray | None = None",
+    "typing.SupportsInt | typing.SupportsIndex": "int",
+    "typing.SupportsFloat | typing.SupportsIndex": "float",
+}
 LEFT_OUT = {"__getstate__", "__setstate__", "__flags_doc__", "__eq__", "__ne__", "__hash__", "__str__", "__repr__"}  # those of every object
 
 

@@ -97,7 +97,9 @@ tip, spec = body.tips[0], V.tip_specs[0]
 for mode, (above, below) in enumerate(axes.T):
     function = basis_function({V.TipDofs(0)[mode]: 1})
     deformed = split.points + 0.2 * split.Evaluate(Plus(function), Minus(function), function)
-    above.tripcolor(*deformed.T, split.triangles, facecolors=np.linalg.norm(split.Evaluate(Plus(function), Minus(function), function), axis=1)[split.triangles].mean(axis=1))
+    above.tripcolor(
+        *deformed.T, split.triangles, facecolors=np.linalg.norm(split.Evaluate(Plus(function), Minus(function), function), axis=1)[split.triangles].mean(axis=1)
+    )
     above.set(aspect="equal", title=("mode I", "mode II")[mode])
     jump = Jump(function)(points)
     below.plot(s, jump[:, 1], label="normal: gap")

@@ -100,7 +100,9 @@ limits = chosen.stabilisation.Limits(chosen.V, MATERIAL)  # γ_T / h_T of each c
 error_of_chosen, middle = pressure_error(chosen.Solve()), np.median(limits)
 figure, axes = plt.subplots(2, 1, figsize=(7, 6), sharex=True, layout="constrained")
 axes[0].loglog(gamma0, error_of_pressure, "o-", label="γ = γ₀ h on every element")
-axes[0].errorbar(middle, error_of_chosen, xerr=[[middle - limits.min()], [limits.max() - middle]], fmt="k*", markersize=12, label="as chosen: median and range of γ/h")
+axes[0].errorbar(
+    middle, error_of_chosen, xerr=[[middle - limits.min()], [limits.max() - middle]], fmt="k*", markersize=12, label="as chosen: median and range of γ/h"
+)
 axes[0].set(ylabel="relative error of λ")
 axes[0].legend()
 axes[1].semilogx(gamma0, np.maximum(coercivity, -1), "o-")
