@@ -1,53 +1,52 @@
 #pragma once
-// Γ_C: an oriented polyline, its arc length, its normal and the side of a point (method.md, section 1).
+// Γ_C: an oriented curve of smooth pieces, its arc length, its normal and the side of a point (method.md, section 1).
 
-#include <bla.hpp>
-#include <string>
-#include <vector>
+#include "curve_piece.hpp"
 
 namespace ngsxfem_contact
 {
-  using ngbla::Vec;
-  using Point = Vec<2>;
-
-  /// Every geometric decision (on a vertex, along an edge, which side) is taken to this multiple of the
-  /// mesh size at the place where it is taken.
-  constexpr double geometric_tolerance = 1e-10;
-
-  inline double Dot (Point a, Point b) { return a(0)*b(0) + a(1)*b(1); }
-  inline double Cross (Point a, Point b) { return a(0)*b(1) - a(1)*b(0); }
-  inline double Norm (Point a) { return std::hypot(a(0), a(1)); }
-  inline Point Lerp (Point a, Point b, double t) { return Point(a + t*(b-a)); }
-  std::string ToString (Point p);
-  /// Distance from p to the closed segment [a, b].
-  double Distance (Point p, Point a, Point b);
-
   enum class Side : int { Minus = -1, Plus = 1 };
 
   class Crack
   {
-    std::vector<Point> points;
+    std::vector<PiecePtr> pieces;
+    std::vector<Point> points;       // the ends of the pieces
     std::vector<double> arclength;   // at the points
+    std::vector<bool> kink;          // at the points
+    struct Box { Point lo, hi; };
+    std::vector<std::vector<Box>> boxes;      // of each piece, of parts that are nearly straight
 
   public:
-    /// Throws for fewer than two points, a non-finite coordinate, a segment of zero length, a curve that meets itself.
+    /// A polyline. Throws for fewer than two points, a non-finite coordinate, a segment of zero length, a curve that
+    /// meets itself.
     explicit Crack (std::vector<Point> apoints);
+    /// Throws for pieces that do not continue each other, and for a curve that meets itself.
+    explicit Crack (std::vector<PiecePtr> apieces);
 
+    /// The ends of the pieces: the points of a polyline.
     const std::vector<Point> & Points() const { return points; }
-    size_t NumSegments() const { return points.size()-1; }
+    size_t NumSegments() const { return pieces.size(); }
+    const CurvePiece & Piece (size_t i) const { return *pieces[i]; }
+    const std::vector<PiecePtr> & Pieces() const { return pieces; }
     double Length() const { return arclength.back(); }
-    /// Arc length at the i-th point of the polyline.
+    /// Arc length at the i-th point.
     double ArcLength (size_t i) const { return arclength[i]; }
+    /// Whether the direction jumps at the i-th point; always between the segments of a polyline.
+    bool IsKink (size_t i) const { return kink[i]; }
 
-    Point Tangent (size_t segment) const;
+    Point Tangent (size_t segment, double s) const;
     /// To the left of the direction of travel, from the minus to the plus side.
-    Point Normal (size_t segment) const;
+    Point Normal (size_t segment, double s) const { return Left(Tangent(segment, s)); }
 
-    /// The segment that carries arc length s; at a kink the one that ends there.
+    /// The piece that carries arc length s; at an end of two the one that ends there.
     size_t SegmentAt (double s) const;
-    Point PointAt (double s) const;
-    /// Signed distance of p from the infinite line of a segment, positive on the plus side.
+    Point PointAt (double s) const { return PointAt(SegmentAt(s), s); }
+    Point PointAt (size_t segment, double s) const;
+    /// Signed distance of p from the infinite line of a straight piece, positive on the plus side.
     double LineDistance (size_t segment, Point p) const;
+    bool IsStraight (size_t segment) const { return pieces[segment]->IsStraight(); }
+    /// Whether a piece may meet a box.
+    bool MayMeet (size_t segment, Point lo, Point hi) const;
 
     struct Projection { size_t segment; double s, distance; bool beyond_end; };
     /// The nearest point of Γ_C.
@@ -55,9 +54,16 @@ namespace ngsxfem_contact
     /// Side of p with respect to Γ_C and, beyond its ends, to their straight extensions. Plus on Γ_C itself.
     Side SideOf (Point p) const;
 
+    /// Points that follow the crack: the ends of the pieces, and of curved ones points between which they turn by `turn`.
+    std::vector<Point> Outline (double turn = 0.02) const;
+
   private:
     void CheckSegments() const;
+    void CheckContinuous() const;
     void CheckSelfContact() const;
+    void Measure();
+    double DistanceFromBoxes (size_t segment, Point p) const;
+    Projection NearestOn (size_t segment, Point p) const;
   };
 
   /// The distance of two cracks, and a point of the first where it is attained.

@@ -15,8 +15,8 @@ namespace ngsxfem_contact
       for (size_t c = 1; c < body->NumCracks(); c++)
         if (body->GetCrack(c).Nearest(x).distance < body->GetCrack(crack).Nearest(x).distance) crack = c;
     auto & curve = body->GetCrack(crack);
-    size_t segment = curve.Nearest(x).segment;
-    return tangent ? curve.Tangent(segment) : curve.Normal(segment);
+    auto nearest = curve.Nearest(x);
+    return tangent ? curve.Tangent(nearest.segment, nearest.s) : curve.Normal(nearest.segment, nearest.s);
   }
 
   double CrackFrame :: Evaluate (const BaseMappedIntegrationPoint &) const

@@ -59,8 +59,8 @@ namespace ngsxfem_contact
         if (end.kind == EndKind::Tip)
           {
             bool at_end = end.s > 0;
-            Point t = cracks[c].Tangent(at_end ? cracks[c].NumSegments()-1 : 0);
-            tips.push_back({ c, end.s, end.point, at_end ? t : Point(-1*t), at_end ? 1 : -1, 0, "" });
+            TipCurve curve(cracks[c], at_end);
+            tips.push_back({ c, end.s, curve, end.point, curve.Ahead(), at_end ? 1 : -1, 0, "" });
           }
     for (auto & tip : tips) SetClearance(tip);
     tip_quadrature.resize(tips.size());
@@ -80,15 +80,32 @@ namespace ngsxfem_contact
         auto v = el.Vertices();
         limit(Distance(tip.point, mesh->GetPoint<2>(v[0]), mesh->GetPoint<2>(v[1])), "the boundary of the body");
       }
+    LimitByCracks(tip, limit);
+    for (auto & other : tips)
+      if (&other != &tip) limit(0.5*Norm(Point(other.point-tip.point)), "half the way to the tip at " + ToString(other.point));
+  }
+
+  void CrackedMesh :: LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const
+  {
+    limit(tip.curve.CurvatureLimit(), "half of the crack's radius of curvature");
+    double own_length = tip.curve.ReachLength();
     for (size_t c = 0; c < cracks.size(); c++)
       for (size_t i = 0; i < cracks[c].NumSegments(); i++)
         {
-          bool own = c == tip.crack && i == (tip.s > 0 ? cracks[c].NumSegments()-1 : 0);
-          if (!own) limit(Distance(tip.point, cracks[c].Points()[i], cracks[c].Points()[i+1]),
-                          c == tip.crack ? "another segment of the same crack" : "crack " + std::to_string(c));
+          auto & crack = cracks[c];
+          auto & piece = crack.Piece(i);
+          double to_start = std::abs(crack.ArcLength(i)-tip.s), to_end = std::abs(crack.ArcLength(i+1)-tip.s);
+          double tolerance = 1e-10*crack.Length();
+          if (c != tip.crack)
+            limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "crack " + std::to_string(c));
+          else if (std::min(to_start, to_end) >= own_length-tolerance)
+            limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "another segment of the same crack");
+          else if (std::max(to_start, to_end) > own_length+tolerance)
+            // a piece that turns back
+            for (double s : piece.Samples(0.02))
+              if (std::abs(crack.ArcLength(i)+s-tip.s) >= own_length-tolerance)
+                limit(0.98*Norm(Point(piece.PointAt(s)-tip.point)), "the same crack, which turns back");
         }
-    for (auto & other : tips)
-      if (&other != &tip) limit(0.5*Norm(Point(other.point-tip.point)), "half the way to the tip at " + ToString(other.point));
   }
 
   const ElementLocation * CrackedMesh :: Find (size_t element) const
@@ -111,7 +128,7 @@ namespace ngsxfem_contact
   {
     std::lock_guard guard(rule_mutex);
     auto & quadrature = tip_quadrature.at(tip);
-    if (!quadrature) quadrature = TipQuadrature { tips[tip].point, {}, tolerance, smoothness };
+    if (!quadrature) quadrature = TipQuadrature { tips[tip].curve, tips[tip].point, {}, tolerance, smoothness };
     quadrature->breaks.merge(breaks);
     quadrature->tolerance = std::min(quadrature->tolerance, tolerance);
     quadrature->smoothness = std::min(quadrature->smoothness, smoothness);
@@ -166,6 +183,25 @@ namespace ngsxfem_contact
           { return Norm(Point(p->tip-Centre(polygon))) < Norm(Point(q->tip-Centre(polygon))); }), rule);
   }
 
+  /// Halved where it meets two disks; then the disk nearer to the crack's part decides.
+  void CrackedMesh :: AppendCurvedPart (const Piece & piece, const Crack & crack, int order, PointRule & rule, int depth) const
+  {
+    auto near = TipsNear(piece.triangle);
+    auto [segment, s0, s1] = *piece.curved;
+    double middle = 0.5*(s0+s1);
+    Point apex = piece.triangle[0], m = crack.PointAt(segment, middle);
+    if (near.empty())
+      AppendCone(piece, crack, order, rule);
+    else if (near.size() > 1 && depth > 0)
+      {
+        AppendCurvedPart({ { apex, piece.triangle[1], m }, piece.side, Chord { segment, s0, middle } }, crack, order, rule, depth-1);
+        AppendCurvedPart({ { apex, m, piece.triangle[2] }, piece.side, Chord { segment, middle, s1 } }, crack, order, rule, depth-1);
+      }
+    else
+      AppendConeNearTip(piece, crack, order, **std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
+        { return Norm(Point(p->tip-m)) < Norm(Point(q->tip-m)); }), rule);
+  }
+
   std::unique_ptr<ElementRule> CrackedMesh :: MakeRule (const PointRule & points, const Triangle & t) const
   {
     // x = t[2] + ξ (t[0]-t[2]) + η (t[1]-t[2])
@@ -189,7 +225,11 @@ namespace ngsxfem_contact
     if (location)
       {
         for (auto & piece : location->pieces)
-          if (domain == Domain::Bulk || piece.side == location->Larger()) AppendPart(piece.triangle, order, points);
+          if (domain == Domain::Bulk || piece.side == location->Larger())
+            {
+              if (piece.curved) AppendCurvedPart(piece, cracks[CrackOf(element)], order, points);
+              else AppendPart(piece.triangle, order, points);
+            }
       }
     else
       AppendPart(t, order, points);
@@ -230,14 +270,15 @@ namespace ngsxfem_contact
         for (double s : nodes) cut(s);
         if (near.size() > 1) cut(0.5*crack.Length());      // a crack inside one element: a tip at either end
         std::sort(cuts.begin(), cuts.end());
-        Point start = crack.Points()[chord.segment], t = crack.Tangent(chord.segment);
         for (size_t i = 0; i+1 < cuts.size(); i++)
           {
-            auto at = [&] (double s) { return Point(start + (s-crack.ArcLength(chord.segment))*t); };
+            auto at = [&] (double s) { return crack.PointAt(chord.segment, s); };
             Point a = at(cuts[i]), b = at(cuts[i+1]), middle = Lerp(a, b, 0.5);
             auto nearest = std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
             { return Norm(Point(p->tip-middle)) < Norm(Point(q->tip-middle)); });
-            AppendSegment(a, b, order, nearest == near.end() ? nullptr : *nearest, location.h, points);
+            auto tip = nearest == near.end() ? nullptr : *nearest;
+            if (crack.IsStraight(chord.segment)) AppendSegment(a, b, order, tip, location.h, points);
+            else AppendCurve(crack, { chord.segment, cuts[i], cuts[i+1] }, order, tip, location.h, points);
           }
       }
     return MakeRule(points, location.triangle);

@@ -1,8 +1,10 @@
 #pragma once
 // A mesh with its cracks: where they lie, their tips, and the integration rules of its measures.
 
-#include "cut_rule.hpp"
+#include "curved_rule.hpp"
+#include "element_location.hpp"
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 
@@ -20,9 +22,10 @@ namespace ngsxfem_contact
   {
     size_t crack;
     double s;                    // its arc length: 0 or the crack's length
+    TipCurve curve;
     Point point, ahead;          // ahead: the direction in which the crack would grow
     int plus_sign;               // the sign of θ on the plus side, θ = 0 ahead
-    double clearance;            // to ∂Ω, to other cracks, to the next kink, and half the way to other tips
+    double clearance;            // to ∂Ω, other cracks, the next kink, half the way to other tips, half of the radius of curvature
     std::string limit;           // what sets the clearance
   };
 
@@ -98,8 +101,10 @@ namespace ngsxfem_contact
     void CheckDistinct ();
     void FindTips ();
     void SetClearance (Tip & tip) const;
+    void LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
     std::vector<const TipQuadrature*> TipsNear (const Triangle & t) const;
     void AppendPart (const Triangle & part, int order, PointRule & rule) const;
+    void AppendCurvedPart (const Piece & piece, const Crack & crack, int order, PointRule & rule, int depth = 3) const;
     std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const Triangle & t) const;
     std::unique_ptr<ElementRule> MakeVolumeRule (Domain domain, size_t element, int order) const;
     std::unique_ptr<ElementRule> MakeCrackRule (const ElementLocation & location, const Crack & crack, int order, const std::vector<double> & nodes) const;

@@ -5,25 +5,17 @@ namespace ngsxfem_contact
 {
   using ngfem::IntegrationRule, ngfem::SelectIntegrationRule;
 
+  std::vector<double> Breakpoints (double a, double b, const std::set<double> & breaks)
+  {
+    std::vector<double> points { a };
+    for (double x : breaks)
+      if (x > a*(1+1e-12) && x < b*(1-1e-12)) points.push_back(x);
+    points.push_back(b);
+    return points;
+  }
+
   namespace
   {
-    /// Gauss-Legendre with n points on [a, b].
-    template <typename F>
-    void Gauss (double a, double b, int n, F && visit)
-    {
-      for (auto & ip : SelectIntegrationRule(ngfem::ET_SEGM, 2*n-1))
-        visit(a + ip(0)*(b-a), ip.Weight()*(b-a));
-    }
-
-    std::vector<double> Breakpoints (double a, double b, const std::set<double> & breaks)
-    {
-      std::vector<double> points { a };
-      for (double x : breaks)
-        if (x > a*(1+1e-12) && x < b*(1-1e-12)) points.push_back(x);
-      points.push_back(b);
-      return points;
-    }
-
     /// A ray from the tip at angle θ meets a line at r = distance / cos(θ - direction).
     struct PolarLine
     {

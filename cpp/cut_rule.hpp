@@ -2,7 +2,10 @@
 // Points and weights on T∩Ω⁺, T∩Ω⁻, T∩Γ_C and on cut boundary edges, graded to the √r singularity of a tip.
 // Geometry in, weighted physical points out; all weights are positive.
 
-#include "element_location.hpp"
+#include "element_division.hpp"
+#include "tip_curve.hpp"
+#include <fem.hpp>
+#include <set>
 
 namespace ngsxfem_contact
 {
@@ -13,7 +16,8 @@ namespace ngsxfem_contact
   /// with a kink of some derivative at each radius in breaks (r0, r1, ...).
   struct TipQuadrature
   {
-    Point tip;
+    TipCurve curve;
+    Point tip = curve.Tip();
     std::set<double> breaks;
     double tolerance = 1e-10;      // aimed at, relative to the integral over an element
     int smoothness = 1;            // continuous derivatives of χ
@@ -26,6 +30,17 @@ namespace ngsxfem_contact
     /// 1D Gauss points that integrate the radial part, a polynomial in √r, with those of degree order beside it.
     int RadialPoints (int order) const;
   };
+
+  /// Gauss-Legendre with n points on [a, b].
+  template <typename F>
+  void Gauss (double a, double b, int n, F && visit)
+  {
+    for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, 2*n-1))
+      visit(a + ip(0)*(b-a), ip.Weight()*(b-a));
+  }
+
+  /// a, the breaks between, b.
+  std::vector<double> Breakpoints (double a, double b, const std::set<double> & breaks);
 
   /// Plain Gauss rule of the given order on one triangle.
   void AppendTriangle (const Triangle & t, int order, PointRule & rule);

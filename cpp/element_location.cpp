@@ -7,17 +7,10 @@ namespace ngsxfem_contact
   using ngcore::Exception;
   using ngfem::ElementId, ngfem::VOL, ngfem::BND, ngfem::NodeId;
 
-  double Area (const Triangle & t) { return 0.5*std::abs(Cross(Point(t[1]-t[0]), Point(t[2]-t[0]))); }
-
   Triangle VerticesOf (const MeshAccess & mesh, size_t element)
   {
     auto vertices = mesh.GetElement(ElementId(VOL, element)).Vertices();
     return { mesh.GetPoint<2>(vertices[0]), mesh.GetPoint<2>(vertices[1]), mesh.GetPoint<2>(vertices[2]) };
-  }
-
-  double LongestEdge (const Triangle & t)
-  {
-    return std::max({ Norm(Point(t[1]-t[0])), Norm(Point(t[2]-t[1])), Norm(Point(t[0]-t[2])) });
   }
 
   namespace
@@ -33,38 +26,6 @@ namespace ngsxfem_contact
           throw Exception("CrackedMesh: element " + std::to_string(i)
                           + " is not a triangle; generate the mesh without quads (quad_dominated=False)");
     }
-  }
-
-  std::array<Polygon,2> Split (const Polygon & polygon, const std::vector<double> & d)
-  {
-    std::array<Polygon,2> parts;
-    double dmin = *std::min_element(d.begin(), d.end()), dmax = *std::max_element(d.begin(), d.end());
-    if (dmin >= 0) { parts[0] = polygon; return parts; }
-    if (dmax <= 0) { parts[1] = polygon; return parts; }
-    for (size_t i = 0; i < polygon.size(); i++)
-      {
-        size_t j = (i+1) % polygon.size();
-        if (d[i] >= 0) parts[0].push_back(polygon[i]);
-        if (d[i] <= 0) parts[1].push_back(polygon[i]);
-        if (d[i]*d[j] < 0)
-          for (auto & part : parts)
-            part.push_back(Lerp(polygon[i], polygon[j], d[i]/(d[i]-d[j])));
-      }
-    return parts;
-  }
-
-  std::vector<Triangle> Fan (const Polygon & polygon)
-  {
-    std::vector<Triangle> triangles;
-    for (size_t i = 1; i+1 < polygon.size(); i++)
-      triangles.push_back({ polygon[0], polygon[i], polygon[i+1] });
-    return triangles;
-  }
-
-  Point Centre (const Polygon & polygon)
-  {
-    Point sum = std::accumulate(polygon.begin(), polygon.end(), Point(0.,0.), [] (Point a, Point b) { return Point(a+b); });
-    return Point(1./polygon.size() * sum);
   }
 
   CrackLocation :: CrackLocation (const MeshAccess & amesh, const Crack & acrack)
@@ -91,22 +52,23 @@ namespace ngsxfem_contact
   std::vector<size_t> CrackLocation :: ElementsBeside () const
   {
     std::vector<size_t> beside;
-    auto & points = crack.Points();
     for (size_t element = 0; element < mesh.GetNE(VOL); element++)
       {
         auto t = VerticesOf(mesh, element);
-        auto overlap = [&] (size_t i, int k)
-        {
-          auto [lo, hi] = std::minmax({ t[0](k), t[1](k), t[2](k) });
-          double margin = 1e-3*(hi-lo);
-          return std::max(points[i](k), points[i+1](k)) >= lo-margin && std::min(points[i](k), points[i+1](k)) <= hi+margin;
-        };
+        Point lo, hi;
+        for (int k : { 0, 1 })
+          {
+            std::tie(lo(k), hi(k)) = std::minmax({ t[0](k), t[1](k), t[2](k) });
+            double margin = 1e-3*(hi(k)-lo(k));
+            lo(k) -= margin;
+            hi(k) += margin;
+          }
         for (size_t i = 0; i < crack.NumSegments(); i++)
-          if (overlap(i, 0) && overlap(i, 1))
+          if (crack.MayMeet(i, lo, hi))
             { beside.push_back(element); break; }
       }
     if (beside.empty())
-      throw Exception("CrackedMesh: the crack from " + ToString(points.front()) + " to " + ToString(points.back())
+      throw Exception("CrackedMesh: the crack from " + ToString(crack.Points().front()) + " to " + ToString(crack.Points().back())
                       + " lies outside the body; give its points in the mesh's coordinates");
     return beside;
   }
@@ -119,7 +81,7 @@ namespace ngsxfem_contact
       {
         d[i] = crack.LineDistance(segment, t[i]);
         if (std::abs(d[i]) <= tolerance) { d[i] = 0; zeros++; }
-        along[i] = Dot(Point(t[i]-crack.Points()[segment]), crack.Tangent(segment));
+        along[i] = Dot(Point(t[i]-crack.Points()[segment]), crack.Tangent(segment, 0));
       }
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     auto extend = [&] (double a) { lo = std::min(lo, a); hi = std::max(hi, a); };
@@ -144,72 +106,98 @@ namespace ngsxfem_contact
     return Clip { !crosses, { segment, s+lo, s+hi }, starts, ends };
   }
 
+  std::vector<CrackLocation::Clip> CrackLocation :: ClipPiece (size_t element, const Triangle & t, size_t segment) const
+  {
+    if (!crack.IsStraight(segment)) return ClipCurve(element, t, segment);
+    auto clip = ClipSegment(t, segment);
+    return clip ? std::vector<Clip> { *clip } : std::vector<Clip>();
+  }
+
+  /// Both neighbours of an edge find the same crossings: its line is the same for them to the last bit.
+  std::vector<CrackLocation::Clip> CrackLocation :: ClipCurve (size_t element, const Triangle & t, size_t segment) const
+  {
+    auto & piece = crack.Piece(segment);
+    struct Edge { Point a, normal; bool positive; };
+    std::vector<Edge> edges;
+    std::vector<double> breaks { 0, piece.End() };
+    for (auto nr : mesh.GetElement(ElementId(VOL, element)).Edges())
+      {
+        auto [v0, v1] = mesh.GetEdgePNums(nr);
+        Point a = mesh.GetPoint<2>(std::min(v0, v1)), b = mesh.GetPoint<2>(std::max(v0, v1));
+        Point normal = Left(Point(1/Norm(Point(b-a)) * (b-a))), centre = 1./3*(t[0]+t[1]+t[2]);
+        edges.push_back({ a, normal, Dot(Point(centre-a), normal) > 0 });
+        piece.AppendCrossings(a, normal, breaks);
+      }
+    std::sort(breaks.begin(), breaks.end());
+    auto inside = [&] (Point p, double margin)
+    {
+      return std::all_of(edges.begin(), edges.end(), [&] (auto & edge)
+      { double d = Dot(Point(p-edge.a), edge.normal); return edge.positive ? d >= margin : -d > margin; });
+    };
+    double s = crack.ArcLength(segment);
+    std::vector<Clip> clips;
+    for (size_t i = 0; i+1 < breaks.size(); i++)
+      if (breaks[i+1] > breaks[i] && inside(piece.Value(0.5*(breaks[i]+breaks[i+1])), 0))
+        {
+          Chord chord { segment, s+piece.ArcLength(breaks[i]), s+piece.ArcLength(breaks[i+1]) };
+          bool starts = breaks[i] == 0 && inside(piece.Value(0), 2*tolerance);
+          bool ends = breaks[i+1] == piece.End() && inside(piece.Value(piece.End()), 2*tolerance);
+          clips.push_back({ false, chord, starts, ends });          // one of two where the crack touches an edge
+        }
+    std::erase_if(clips, [&] (auto & clip) { return clip.chord.s1-clip.chord.s0 <= tolerance; });
+    return clips;
+  }
+
   void CrackLocation :: LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned)
   {
     auto t = VerticesOf(mesh, element);
     ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t) };
     for (size_t i = 0; i < crack.NumSegments(); i++)
-      if (auto clip = ClipSegment(t, i))
+      for (auto & clip : ClipPiece(element, t, i))
         {
-          if (clip->aligned)
+          if (clip.aligned)
             {
-              aligned[AlignedEdge(element, t, clip->chord)].push_back(element);
+              aligned[AlignedEdge(element, t, clip.chord)].push_back(element);
               continue;
             }
-          bool tip = (i == 0 && clip->starts_inside) || (i+1 == crack.NumSegments() && clip->ends_inside);
+          bool tip = (i == 0 && clip.starts_inside) || (i+1 == crack.NumSegments() && clip.ends_inside);
           if (tip) location.kind = ElementKind::Tip;
-          location.degeneracy.kink_inside |= (clip->starts_inside && i > 0) || (clip->ends_inside && i+1 < crack.NumSegments());
-          location.chords.push_back(clip->chord);
+          location.degeneracy.kink_inside |= (clip.starts_inside && i > 0 && crack.IsKink(i))
+            || (clip.ends_inside && i+1 < crack.NumSegments() && crack.IsKink(i+1));
+          location.chords.push_back(clip.chord);
         }
     if (location.chords.empty()) return;
     if (mesh.GetElement(ElementId(VOL, element)).is_curved)
       throw Exception("CrackedMesh: the crack cuts a curved element " + Place(t)
                       + "; keep the elements beside the crack straight (curve only the outer boundary, away from the mouths)");
     CheckConnected(location);
-    Divide(location);
+    SetPieces(location);
     index[element] = elements.size();
     elements.push_back(std::move(location));
   }
 
+  /// The crack may leave an element for a moment and come back, if it does not turn much on the way: on either side of it
+  /// the element stays in one piece, as far as neighbours are taken into account.
   void CrackLocation :: CheckConnected (const ElementLocation & location) const
   {
     auto & chords = location.chords;
     for (size_t i = 1; i < chords.size(); i++)
-      if (chords[i].s0-chords[i-1].s1 > tolerance)
-        throw Exception("CrackedMesh: the crack passes more than once through the element " + Place(location.triangle)
-                        + "; refine the mesh there (h below the distance of the two passes)");
+      {
+        auto & from = chords[i-1], & to = chords[i];
+        if (to.s0-from.s1 <= tolerance) continue;
+        bool onward = Dot(crack.Tangent(from.segment, from.s1), crack.Tangent(to.segment, to.s0)) > 0.5;
+        if (to.s0-from.s1 > 2*location.h || !onward)
+          throw Exception("CrackedMesh: the crack passes more than once through the element " + Place(location.triangle)
+                          + "; refine the mesh there (h below the distance of the two passes)");
+      }
   }
 
-  /// T divided along the lines of its chords (at a kink or a tip beyond them, too): convex parts, each on one side.
-  void CrackLocation :: Divide (ElementLocation & location) const
+  void CrackLocation :: SetPieces (ElementLocation & location) const
   {
-    std::vector<Polygon> parts { Polygon(location.triangle.begin(), location.triangle.end()) };
-    for (auto & chord : location.chords)
-      {
-        std::vector<Polygon> divided;
-        for (auto & part : parts)
-          {
-            std::vector<double> d;
-            for (auto & p : part)
-              {
-                double di = crack.LineDistance(chord.segment, p);
-                d.push_back(std::abs(di) <= tolerance ? 0 : di);
-              }
-            for (auto & half : Split(part, d))
-              if (half.size() > 2) divided.push_back(half);
-          }
-        parts = std::move(divided);
-      }
+    location.pieces = Divide(Polygon(location.triangle.begin(), location.triangle.end()), location.chords, crack, tolerance);
     location.area_plus = location.area_minus = 0;
-    for (auto & part : parts)
-      {
-        Side side = crack.SideOf(Centre(part));
-        for (auto & t : Fan(part))
-          {
-            (side == Side::Plus ? location.area_plus : location.area_minus) += Area(t);
-            location.pieces.push_back({ t, side });
-          }
-      }
+    for (auto & piece : location.pieces)
+      (piece.side == Side::Plus ? location.area_plus : location.area_minus) += Area(piece, crack);
   }
 
   size_t CrackLocation :: AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const
@@ -240,7 +228,7 @@ namespace ngsxfem_contact
           {
             auto t = VerticesOf(mesh, owner);
             ElementLocation location { owner, ElementKind::Aligned, {}, t, LongestEdge(t) };
-            Divide(location);
+            SetPieces(location);
             index[owner] = elements.size();
             elements.push_back(std::move(location));
           }

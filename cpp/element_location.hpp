@@ -1,10 +1,10 @@
 #pragma once
 // Where each element lies with respect to one crack, and the triangles that a crack divides it into.
 
-#include "crack.hpp"
+#include "element_division.hpp"
 #include <comp.hpp>
-#include <array>
 #include <map>
+#include <optional>
 #include <set>
 
 namespace ngsxfem_contact
@@ -23,26 +23,6 @@ namespace ngsxfem_contact
   /// The special positions. A position that holds to within geometric_tolerance counts as exact.
   struct Degeneracy { bool through_vertex = false, along_edge = false, tip_on_edge = false, tip_on_vertex = false, kink_inside = false; };
 
-  using Triangle = std::array<Point,3>;
-  double Area (const Triangle & t);
-
-  using Polygon = std::vector<Point>;
-
-  /// The two parts of a convex polygon on the positive and the negative side of a line, given the signed distances d of
-  /// its corners; empty where there is none.
-  std::array<Polygon,2> Split (const Polygon & polygon, const std::vector<double> & d);
-
-  /// A convex polygon as triangles.
-  std::vector<Triangle> Fan (const Polygon & polygon);
-
-  Point Centre (const Polygon & polygon);
-
-  /// A part of T∩Γ_C on one segment of the crack, from arc length s0 to s1.
-  struct Chord { size_t segment; double s0, s1; };
-
-  /// A triangle inside T that lies on one side of Γ_C (and of its straight extension beyond a tip).
-  struct Piece { Triangle triangle; Side side; };
-
   struct ElementLocation
   {
     size_t element;
@@ -50,10 +30,17 @@ namespace ngsxfem_contact
     Degeneracy degeneracy;
     Triangle triangle;
     double h;                       // longest edge
-    std::vector<Chord> chords;      // in the order of arc length, each continuing the one before
+    std::vector<Chord> chords;      // in the order of arc length; the crack may leave T for a moment between two of them
     std::vector<Piece> pieces;
     double area_plus, area_minus;
     Side Larger () const { return area_plus >= area_minus ? Side::Plus : Side::Minus; }
+    /// How far arc length s is from the part of Γ_C in T.
+    double Off (double s) const
+    {
+      double off = std::numeric_limits<double>::infinity();
+      for (auto & chord : chords) off = std::min(off, std::max({ chord.s0-s, s-chord.s1, 0.0 }));
+      return off;
+    }
     double S0 () const { return chords.front().s0; }
     double S1 () const { return chords.back().s1; }
   };
@@ -80,7 +67,7 @@ namespace ngsxfem_contact
 
   public:
     /// Throws for a mesh that is not plane and straight triangles beside the crack, a crack that leaves the body or
-    /// lies outside of it, runs along its boundary, or passes twice through one element.
+    /// lies outside of it, runs along its boundary, or passes twice through one element (but it may leave it for a moment).
     CrackLocation (const MeshAccess & amesh, const Crack & acrack);
 
     const std::vector<ElementLocation> & Elements() const { return elements; }
@@ -93,10 +80,12 @@ namespace ngsxfem_contact
 
   private:
     struct Clip { bool aligned; Chord chord; bool starts_inside, ends_inside; };
+    std::vector<Clip> ClipPiece (size_t element, const Triangle & t, size_t segment) const;
     std::optional<Clip> ClipSegment (const Triangle & t, size_t segment) const;
+    std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t segment) const;
     std::vector<size_t> ElementsBeside () const;
     void LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned);
-    void Divide (ElementLocation & location) const;
+    void SetPieces (ElementLocation & location) const;
     void LocateAligned (const std::map<size_t, std::vector<size_t>> & aligned);
     size_t AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const;
     void LocateEnds (const std::vector<size_t> & beside);
@@ -108,5 +97,4 @@ namespace ngsxfem_contact
   };
 
   Triangle VerticesOf (const MeshAccess & mesh, size_t element);
-  double LongestEdge (const Triangle & t);
 }

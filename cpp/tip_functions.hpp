@@ -1,7 +1,7 @@
 #pragma once
 // The singular functions at one tip, times the cut-off χ: (8) of [AHLMR12], or the two modes of method.md, section 7.
 
-#include "crack.hpp"
+#include "tip_curve.hpp"
 #include <fem.hpp>
 
 namespace ngsxfem_contact
@@ -22,15 +22,16 @@ namespace ngsxfem_contact
 
   class TipFunctions
   {
-    Point tip, ahead, left;                       // the tip's frame: the crack lies on θ = ±π
+    TipCurve curve;                               // the crack lies on θ = ±π
+    Point tip, ahead, left;                       // the tip's frame
     int plus_sign;                                // the sign of θ on the crack's plus side
     TipSpec spec;
 
   public:
     static constexpr int max_functions = 8;
 
-    TipFunctions (Point atip, Point aahead, int aplus_sign, TipSpec aspec)
-      : tip(atip), ahead(aahead), left(-aahead(1), aahead(0)), plus_sign(aplus_sign), spec(aspec) { }
+    TipFunctions (TipCurve acurve, int aplus_sign, TipSpec aspec)
+      : curve(std::move(acurve)), tip(curve.Tip()), ahead(curve.Ahead()), left(Left(ahead)), plus_sign(aplus_sign), spec(aspec) { }
 
     const TipSpec & Spec() const { return spec; }
     Point Tip() const { return tip; }
@@ -50,7 +51,8 @@ namespace ngsxfem_contact
       AutoDiff<2,T> R(r);
       for (int i = 0; i < 2; i++)
         R.DValue(i) = (x.Value()*x.DValue(i) + y.Value()*y.DValue(i)) / r;
-      if (side) y.Value() = T(0.);                // Γ_C is straight inside the disk
+      if (!curve.IsStraight()) Straighten(R, x, y);
+      if (side) y.Value() = T(0.);                // Γ_C is straight in these coordinates
       auto [C, S] = HalfAngle(x, y, r, side*plus_sign);
       AutoDiff<2,T> chi = Chi(R);
       if (spec.basis == TipBasis::Modes)
@@ -82,6 +84,37 @@ namespace ngsxfem_contact
       c.DValue(0) = T(axis(0));
       c.DValue(1) = T(axis(1));
       return c;
+    }
+
+    /// The coordinates turned by -α(r): those of TipCurve, in which the crack is straight.
+    template <typename T>
+    void Straighten (AutoDiff<2,T> r, AutoDiff<2,T> & x, AutoDiff<2,T> & y) const
+    {
+      auto turn = curve.At(r.Value()).point;
+      AutoDiff<2,T> u, v;
+      u.Value() = turn.cos*x.Value() + turn.sin*y.Value();
+      v.Value() = turn.cos*y.Value() - turn.sin*x.Value();
+      for (int i = 0; i < 2; i++)
+        {
+          u.DValue(i) = turn.cos*x.DValue(i) + turn.sin*y.DValue(i) + turn.slope*v.Value()*r.DValue(i);
+          v.DValue(i) = turn.cos*y.DValue(i) - turn.sin*x.DValue(i) - turn.slope*u.Value()*r.DValue(i);
+        }
+      x = u;
+      y = v;
+    }
+
+    /// Turned by the angle β of the crack's direction at distance r: jumps of the modes are normal and tangential all along.
+    template <typename T>
+    void TurnFrame (AutoDiff<2,T> r, std::array<AutoDiff<2,T>,2> & field) const
+    {
+      auto turn = curve.At(r.Value()).direction;
+      AutoDiff<2,T> c(turn.cos), s(turn.sin);
+      for (int i = 0; i < 2; i++)
+        {
+          c.DValue(i) = -turn.sin*turn.slope*r.DValue(i);
+          s.DValue(i) = turn.cos*turn.slope*r.DValue(i);
+        }
+      field = { c*field[0] - s*field[1], s*field[0] + c*field[1] };
     }
 
     /// √r cos(θ/2), √r sin(θ/2) and their gradients: √r cos(θ/2) = √((r+x)/2), no digits lost where x < 0.
@@ -125,6 +158,8 @@ namespace ngsxfem_contact
       std::array<std::array<AutoDiff<2,T>,2>,2> field
         { { { C*(kappa-1. + 2.*s2), S*(kappa+1. - 2.*c2) },
             { S*(kappa+1. + 2.*c2), -1.*C*(kappa-1. - 2.*s2) } } };
+      if (!curve.IsStraight())
+        for (auto & f : field) TurnFrame(r, f);
       for (int m = 0; m < 2; m++)
         for (int k = 0; k < 2; k++)
           values[m](k) = scale * chi * (ahead(k)*field[m][0] + left(k)*field[m][1]);

@@ -9,17 +9,14 @@ namespace ngsxfem_contact
   {
     auto & crack = body.GetCrack(c);
     std::vector<double> all { 0, crack.Length() }, nodes;
-    auto is_kink = [&] (double s)
-    {
-      size_t i = crack.SegmentAt(s);
-      return s == crack.ArcLength(i) || s == crack.ArcLength(i+1);
-    };
+    auto is_joint = [&] (size_t i, double s) { return s == crack.ArcLength(i) || s == crack.ArcLength(i+1); };
+    auto is_kink = [&] (size_t i, double s) { return crack.IsKink(s == crack.ArcLength(i) ? i : i+1); };
     for (auto & location : body.Location(c).Elements())
       for (auto & chord : location.chords)
         for (double s : { chord.s0, chord.s1 })
           {
             bool inner = s > location.S0() && s < location.S1();
-            if (kinks || !inner || !is_kink(s)) all.push_back(s);
+            if (!inner || !is_joint(chord.segment, s) || (kinks && is_kink(chord.segment, s))) all.push_back(s);
           }
     std::sort(all.begin(), all.end());
     double tolerance = 4*body.Location(c).Tolerance();

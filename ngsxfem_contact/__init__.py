@@ -1,6 +1,7 @@
 """Contact of cracked elastic bodies in NGSolve: cut-off XFEM, stabilised multipliers, active sets."""
 
 from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
+from . import geometry  # noqa: F401  gives Crack its curves
 from ._ngsxfem_contact import Crack, CrackBilinearForm, CrackedMesh, ElementKind, EndKind, Side, Variation
 from .checks import Coercivity, InfSup
 from .conditioning import ConditionNumber, CrackScaling

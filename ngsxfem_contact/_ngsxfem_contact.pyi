@@ -88,8 +88,76 @@ class Side:
 
 class Crack:
     """
-    An oriented polyline; its normal points to the left of the direction of travel, from the minus to the plus side.
+    An oriented curve: Crack(points) a polyline, Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet true curves. Its normal points to the left of the direction of travel, from the minus to the plus side.
     """
+
+    @staticmethod
+    def Arc(start: tuple[float, float], through: tuple[float, float], end: tuple[float, float]) -> Crack:
+        """
+        The circular arc from start to end through a third point. Raises an Exception for three points on a line.
+        """
+
+    @staticmethod
+    def Curve(function: collections.abc.Callable[[float], tuple[float, float]], t0: float, t1: float, tolerance: float = 1e-12, max_pieces: int = 4096) -> Crack:
+        """
+        The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
+        """
+
+    @staticmethod
+    def Join(*args) -> Crack:
+        """
+        Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.
+        """
+
+    @staticmethod
+    def LevelSet(mesh, phi, psi=None, tolerance: float = 1e-10, max_points: int = 4096) -> Crack:
+        """
+        The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
+        """
+
+    @staticmethod
+    def OfPieces(pieces: collections.abc.Sequence[tuple[str, collections.abc.Sequence[tuple[float, float]]]]) -> Crack:
+        """
+        Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with values and derivatives at t = 0 and 1.
+        """
+
+    @staticmethod
+    def Spline(points: collections.abc.Sequence[tuple[float, float]], ends: str = "not-a-knot") -> Crack:
+        """
+        The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
+        """
+
+    def CurvatureAt(self, s: float) -> float:
+        """
+        The curvature at arc length s, > 0 where the crack turns left.
+        """
+
+    def Distance(self, point: tuple[float, float]) -> float:
+        """
+        Distance to the nearest point of the crack.
+        """
+
+    def Outline(self, turn: float = 0.05) -> list[tuple[float, float]]:
+        """
+        Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.
+        """
+
+    def TangentAt(self, s: float) -> tuple[float, float]:
+        """
+        The unit tangent at arc length s.
+        """
+
+    @property
+    def kinks(self) -> list[float]:
+        """
+        Arc lengths at which the direction jumps; of a polyline all inner points.
+        """
+
+    @property
+    def pieces(self) -> list[tuple[str, list[tuple[float, float]]]]:
+        """
+        What OfPieces takes.
+        """
 
     def ArcLength(self, point: tuple[float, float]) -> float:
         """
@@ -156,11 +224,23 @@ class Degeneracy:
 
 class Piece:
     @property
+    def curved(self) -> tuple[float, float] | None:
+        """
+        Arc lengths between which the side opposite of corner 0 is a part of the crack, or None.
+        """
+
+    @property
     def side(self) -> Side: ...
     @property
     def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]: ...
 
 class ElementLocation:
+    @property
+    def chords(self) -> list[tuple[float, float]]:
+        """
+        Arc lengths between which the crack is in the element.
+        """
+
     @property
     def arclength(self) -> tuple[float, float]: ...
     @property

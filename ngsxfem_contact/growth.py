@@ -241,7 +241,11 @@ class CrackGrowth:
 
 def extended(crack, end, kink, tip):
     """The crack with its start or end moved to a kink, and a straight new part from there to a tip."""
-    return Crack([tip, kink, *crack.points[1:]] if end == "start" else [*crack.points[:-1], kink, tip])
+    if all(kind == "segment" for kind, _ in crack.pieces):
+        return Crack([tip, kink, *crack.points[1:]] if end == "start" else [*crack.points[:-1], kink, tip])
+    old = crack.points[0 if end == "start" else -1]
+    new = [old, kink, tip] if np.hypot(*np.subtract(kink, old)) > 1e-9 * crack.length else [old, tip]
+    return Crack.Join(Crack(new[::-1]), crack) if end == "start" else Crack.Join(crack, Crack(new))
 
 
 def check_room(body, material, crack, end):

@@ -123,7 +123,7 @@ def plot_mesh(V, ax=None):
     ax.triplot(*vertices.T, elements, color="0.7", linewidth=0.5)
     ax.plot(*vertices[enriched].T, "o", color="tab:blue", markerfacecolor="none", markersize=5, label="Heaviside function")
     for i, crack in enumerate(body.cracks):
-        ax.plot(*np.array(crack.points).T, color="tab:red", linewidth=2, label="" if i else "crack")
+        ax.plot(*np.array(crack.Outline()).T, color="tab:red", linewidth=2, label="" if i else "crack")
     disks = [(tip, spec) for tip, spec in zip(body.tips, V.tip_specs) if spec]
     for i, (tip, spec) in enumerate(disks):
         angle = np.linspace(0, 2 * np.pi, 100)

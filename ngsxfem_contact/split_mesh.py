@@ -25,8 +25,8 @@ class SplitMesh:
 
     def __init__(self, body, subdivision=0):
         self.body, self._mesh = body, None
-        located = [location for c in range(len(body.cracks)) for location in body.Elements(c)]
-        tolerance = 1e-9 * min(location.h for location in located)
+        located = [(c, location) for c in range(len(body.cracks)) for location in body.Elements(c)]
+        tolerance = 1e-9 * min(location.h for _, location in located)
         points, triangles, parent = conforming_triangles(body, located, tolerance)
         for _ in range(subdivision):
             points, triangles = divide_in_four(points, triangles)
@@ -100,10 +100,10 @@ class SplitMesh:
 def conforming_triangles(body, located, tolerance):
     """Points, triangles and rows (element, side) with no point inside an edge; no point is doubled yet."""
     vertices, elements = mesh_arrays(body.mesh)
-    uncut = np.setdiff1d(np.arange(len(elements)), [location.element for location in located])
-    pieces = [(piece.triangle, location.element, int(piece.side)) for location in located for piece in location.pieces]
+    uncut = np.setdiff1d(np.arange(len(elements)), [location.element for _, location in located])
+    pieces = [(t, location.element, int(piece.side)) for c, location in located for piece in location.pieces for t in flat(piece, body.cracks[c])]
     corners = np.array([triangle for triangle, _, _ in pieces]).reshape(-1, 2)
-    bends = np.array([point for crack in body.cracks for point in crack.points]).reshape(-1, 2)
+    bends = np.array([crack.PointAt(s) for crack in body.cracks for s in (0, *crack.kinks, crack.length)]).reshape(-1, 2)
     points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)
     new = number[len(vertices) :]
     triangles = np.concatenate([number[elements[uncut]], new[: len(corners)].reshape(-1, 3)])
@@ -114,6 +114,16 @@ def conforming_triangles(body, located, tolerance):
     clockwise = cross(b - a, c - a) < 0
     triangles[clockwise] = triangles[clockwise, ::-1]
     return points, *without_hanging_points(points, triangles, parent, np.unique(new), tolerance)
+
+
+def flat(piece, crack):
+    """The triangles of a piece; a curved side becomes a polyline with kinks of less than 3 degrees."""
+    if piece.curved is None:
+        return [piece.triangle]
+    s0, s1 = piece.curved
+    turn = max(abs(crack.CurvatureAt(s)) for s in np.linspace(s0, s1, 5)) * (s1 - s0)
+    side = [crack.PointAt(s) for s in np.linspace(s0, s1, 1 + int(np.ceil(1e-3 + turn / 0.05)))]
+    return [(piece.triangle[0], a, b) for a, b in zip(side, side[1:])]
 
 
 def mesh_arrays(mesh):
@@ -203,21 +213,24 @@ def crack_edges(cracks, points, triangles, carried, tolerance):
     first, second = twin_edges(triangles)
     near = (carried[first // 3] >= 0) | (carried[second // 3] >= 0)
     edges, twins = np.concatenate([first[near], second[near]]), np.concatenate([second[near], first[near]])
-    a, b = points[triangles.ravel()[edges]], points[triangles.ravel()[next_corner(edges)]]
+    a, b = triangles.ravel()[edges], triangles.ravel()[next_corner(edges)]
     crack_of, side = np.full(len(edges), -1), np.zeros(len(edges), dtype=int)
     for c, crack in enumerate(cracks):
-        for p, q in zip(np.array(crack.points), np.array(crack.points)[1:]):
-            on = (distance(a, p, q) <= tolerance) & (distance(b, p, q) <= tolerance)
-            crack_of[on], side[on] = c, np.sign((b[on] - a[on]) @ (q - p))  # a triangle lies to the left of its edges
+        rank = ranks_along(crack, points, np.unique([a, b]), tolerance)
+        on = (rank[a] >= 0) & (rank[b] >= 0) & (np.abs(rank[b] - rank[a]) == 1)
+        crack_of[on], side[on] = c, (rank[b] - rank[a])[on]  # a triangle lies to the left of its edges
     own, other = np.stack([edges, next_corner(edges)], axis=1), np.stack([next_corner(twins), twins], axis=1)
     values_from = np.where((carried[edges // 3] == crack_of)[:, None], own, other)
     return [array[side != 0] for array in (edges, values_from, crack_of, side)]
 
 
-def distance(points, a, b):
-    """From points (n,2) to the segment from a to b."""
-    along = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
-    return np.linalg.norm(points - a - along[:, None] * (b - a), axis=1)
+def ranks_along(crack, points, candidates, tolerance):
+    """For each point its number in the order of arc length among those of the candidates that lie on the crack, else -1."""
+    on = [i for i in candidates if crack.Distance(tuple(points[i])) <= tolerance]
+    arclength = [crack.ArcLength(tuple(points[i])) for i in on]
+    rank = np.full(len(points), -1)
+    rank[np.array(on, dtype=int)[np.argsort(arclength)]] = np.arange(len(on))
+    return rank
 
 
 def reference_coordinates(mesh, corners, element):

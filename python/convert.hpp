@@ -25,10 +25,49 @@ namespace ngsxfem_contact
     return Crack(points);
   }
 
-  inline std::vector<Pair> PointsOf (const Crack & crack)
+  inline std::vector<Pair> ToPairs (const std::vector<Point> & points)
   {
     std::vector<Pair> pairs;
-    for (auto & p : crack.Points()) pairs.push_back(ToPair(p));
+    for (auto & p : points) pairs.push_back(ToPair(p));
     return pairs;
+  }
+
+  inline std::vector<Pair> PointsOf (const Crack & crack) { return ToPairs(crack.Points()); }
+
+  /// Pieces as ("segment", [a, b]), ("arc", [start, through, end]) or ("cubic", [p0, d0, p1, d1]).
+  using PieceDescriptions = std::vector<std::pair<std::string, std::vector<Pair>>>;
+
+  inline PieceDescriptions PiecesOf (const Crack & crack)
+  {
+    PieceDescriptions pieces;
+    for (auto & piece : crack.Pieces())
+      {
+        auto [kind, points] = piece->Description();
+        pieces.push_back({ kind, ToPairs(points) });
+      }
+    return pieces;
+  }
+
+  inline Crack CrackOfPieces (const PieceDescriptions & descriptions)
+  {
+    std::vector<PiecePtr> pieces;
+    for (auto & [kind, pairs] : descriptions)
+      {
+        std::vector<Point> p;
+        for (auto & pair : pairs) p.push_back(ToPoint(pair));
+        if (kind == "segment" && p.size() == 2) pieces.push_back(MakeSegment(p[0], p[1]));
+        else if (kind == "arc" && p.size() == 3) pieces.push_back(MakeArc(p[0], p[1], p[2]));
+        else if (kind == "cubic" && p.size() == 4)
+          for (auto & piece : MakeCubic(p[0], p[1], p[2], p[3])) pieces.push_back(piece);
+        else throw ngcore::Exception("Crack: a piece is ('segment', [a, b]), ('arc', [start, through, end]) or ('cubic', [p0, d0, p1, d1]), got '"
+                                     + kind + "' with " + std::to_string(p.size()) + " points");
+      }
+    return Crack(pieces);
+  }
+
+  inline bool IsPolyline (const Crack & crack)
+  {
+    for (auto & piece : crack.Pieces()) if (!piece->IsStraight()) return false;
+    return true;
   }
 }

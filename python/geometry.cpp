@@ -3,21 +3,51 @@
 using namespace ngsxfem_contact;
 using ngcomp::MeshAccess;
 
+static Crack JoinCracks (py::args parts)
+{
+  std::vector<PiecePtr> pieces;
+  for (auto part : parts)
+    for (auto & piece : part.cast<const Crack &>().Pieces()) pieces.push_back(piece);
+  return Crack(pieces);
+}
+
 static void ExportCrack (py::module & m)
 {
   py::enum_<Side>(m, "Side", "The side of a crack: Plus to the left of its direction of travel, Minus to the right.").value("Minus", Side::Minus).value("Plus", Side::Plus);
-  py::class_<Crack>(m, "Crack", "An oriented polyline; its normal points to the left of the direction of travel, from the minus to the plus side.")
+  py::class_<Crack>(m, "Crack",
+      "An oriented curve: Crack(points) a polyline, Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet true curves. "
+      "Its normal points to the left of the direction of travel, from the minus to the plus side.")
     .def(py::init(&ToCrack), py::arg("points"))
-    .def_property_readonly("points", &PointsOf)
+    .def_static("Arc", [] (Pair start, Pair through, Pair end) { return Crack({ MakeArc(ToPoint(start), ToPoint(through), ToPoint(end)) }); },
+                py::arg("start"), py::arg("through"), py::arg("end"),
+                "The circular arc from start to end through a third point. Raises an Exception for three points on a line.")
+    .def_static("Join", &JoinCracks, "Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.")
+    .def_static("OfPieces", &CrackOfPieces, py::arg("pieces"),
+                "Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with "
+                "values and derivatives at t = 0 and 1.")
+    .def_property_readonly("points", &PointsOf, "The points of a polyline; of a curve the ends of its pieces.")
+    .def_property_readonly("pieces", &PiecesOf, "What OfPieces takes.")
+    .def_property_readonly("kinks", [] (const Crack & c)
+         {
+           std::vector<double> kinks;
+           for (size_t i = 0; i <= c.NumSegments(); i++) if (c.IsKink(i)) kinks.push_back(c.ArcLength(i));
+           return kinks;
+         }, "Arc lengths at which the direction jumps; of a polyline all inner points.")
     .def_property_readonly("length", &Crack::Length)
     .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(s)); }, py::arg("s"), "The point at arc length s.")
+    .def("TangentAt", [] (const Crack & c, double s) { return ToPair(c.Tangent(c.SegmentAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
+    .def("CurvatureAt", [] (const Crack & c, double s) { size_t i = c.SegmentAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
+         py::arg("s"), "The curvature at arc length s, > 0 where the crack turns left.")
+    .def("Outline", [] (const Crack & c, double turn) { return ToPairs(c.Outline(turn)); }, py::arg("turn") = 0.05,
+         "Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.")
     .def("ArcLength", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).s; }, py::arg("point"), "Arc length of the nearest point of the crack.")
+    .def("Distance", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).distance; }, py::arg("point"), "Distance to the nearest point of the crack.")
     .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(ToPoint(p)); }, py::arg("point"))
     .def_property_readonly("side", [] (const Crack & c) -> shared_ptr<CoefficientFunction> { return make_shared<CrackSide>(c); },
                            "H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.")
-    .def("__repr__", [] (const Crack & c) { return py::str("Crack({})").format(PointsOf(c)); })
-    .def(py::pickle([] (const Crack & c) { return py::make_tuple(PointsOf(c)); },
-                    [] (py::tuple state) { return ToCrack(state[0].cast<std::vector<Pair>>()); }));
+    .def("__repr__", [] (const Crack & c) { return IsPolyline(c) ? py::str("Crack({})").format(PointsOf(c)) : py::str("Crack.OfPieces({})").format(PiecesOf(c)); })
+    .def(py::pickle([] (const Crack & c) { return py::make_tuple(PiecesOf(c)); },
+                    [] (py::tuple state) { return CrackOfPieces(state[0].cast<PieceDescriptions>()); }));
 }
 
 static void ExportLocation (py::module & m)
@@ -32,7 +62,9 @@ static void ExportLocation (py::module & m)
     .def_readonly("kink_inside", &Degeneracy::kink_inside);
   py::class_<Piece>(m, "Piece")
     .def_property_readonly("triangle", [] (const Piece & p) { return ToPairs(p.triangle); })
-    .def_readonly("side", &Piece::side);
+    .def_readonly("side", &Piece::side)
+    .def_property_readonly("curved", [] (const Piece & p) { return p.curved ? std::optional(std::pair(p.curved->s0, p.curved->s1)) : std::nullopt; },
+                           "Arc lengths between which the side opposite of corner 0 is a part of the crack, or None.");
   py::class_<ElementLocation>(m, "ElementLocation")
     .def_readonly("element", &ElementLocation::element)
     .def_readonly("kind", &ElementLocation::kind)
@@ -42,6 +74,12 @@ static void ExportLocation (py::module & m)
     .def_readonly("area_plus", &ElementLocation::area_plus)
     .def_readonly("area_minus", &ElementLocation::area_minus)
     .def_property_readonly("larger", &ElementLocation::Larger)
+    .def_property_readonly("chords", [] (const ElementLocation & l)
+         {
+           std::vector<Pair> chords;
+           for (auto & chord : l.chords) chords.push_back({ chord.s0, chord.s1 });
+           return chords;
+         }, "Arc lengths between which the crack is in the element.")
     .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); })
     .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); });
   py::enum_<EndKind>(m, "EndKind", "An end of a crack: a Tip inside the body or a Mouth on its boundary.").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
@@ -72,7 +110,7 @@ static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<
       const ElementLocation * best = nullptr;
       double off = std::numeric_limits<double>::infinity();
       for (auto & location : body.Location(c).Elements())
-        if (double d = std::max({ location.S0()-s, s-location.S1(), 0.0 }); d < off) { best = &location; off = d; }
+        if (double d = location.Off(s); d < off) { best = &location; off = d; }
       auto & t = best->triangle;
       Point a = t[0]-t[2], b = t[1]-t[2], d = crack.PointAt(s)-t[2];
       elements.push_back(best->element);

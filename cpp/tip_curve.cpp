@@ -1,0 +1,89 @@
+#include "tip_curve.hpp"
+#include <algorithm>
+
+namespace ngsxfem_contact
+{
+  TipCurve :: TipCurve (const Crack & curve, bool aat_end) : at_end(aat_end)
+  {
+    size_t last = at_end ? curve.NumSegments()-1 : 0;
+    double s = at_end ? curve.Length() : 0;
+    tip = curve.PointAt(last, s);
+    Point t = curve.Tangent(last, s);
+    ahead = at_end ? t : Point(-1*t);
+    auto & piece = curve.Piece(last);
+    double k = piece.Curvature(s-curve.ArcLength(last));
+    curvature = piece.IsStraight() ? 0 : at_end ? -k : k;
+    bool alone = curve.NumSegments() == 1 || curve.IsKink(at_end ? last : 1);
+    auto kind = piece.Description().first;
+    if (!alone || kind == "cubic") crack = std::make_shared<Crack>(curve);
+    FindReach(curve);
+  }
+
+  void TipCurve :: FindReach (const Crack & curve)
+  {
+    size_t first = at_end ? curve.NumSegments()-1 : 0, last = first;
+    while (at_end ? last > 0 && !curve.IsKink(last) : last+1 < curve.NumSegments() && !curve.IsKink(last+1))
+      at_end ? last-- : last++;
+    reach = s_reach = 0;
+    for (size_t i = first; ; at_end ? i-- : i++)
+      {
+        auto & piece = curve.Piece(i);
+        auto samples = piece.IsStraight() ? std::vector<double> { 0, 0.5*piece.Length(), piece.Length() } : piece.Samples(0.02);
+        if (at_end) std::reverse(samples.begin(), samples.end());
+        for (double s : samples)
+          {
+            Point d = piece.PointAt(s)-tip, t = piece.Tangent(s);
+            double r = Norm(d), cosine = r > 0 ? Dot(d, t)/r * (at_end ? -1 : 1) : 1;
+            double passed = at_end ? curve.Length()-curve.ArcLength(i)-s : curve.ArcLength(i)+s;
+            if (passed <= s_reach + 1e-10*curve.Length()) continue;
+            if (r <= reach || cosine < 0.5) return;
+            reach = r;
+            s_reach = passed;
+          }
+        if (i == last) return;
+      }
+  }
+
+  double TipCurve :: CurvatureLimit () const
+  {
+    if (!crack) return curvature ? 0.5/std::abs(curvature) : std::numeric_limits<double>::infinity();
+    double largest = 0;
+    constexpr int n = 200;
+    for (int i = 0; i <= n; i++)
+      {
+        double s = FromEnd(s_reach*i/n);
+        size_t segment = crack->SegmentAt(s);
+        largest = std::max(largest, std::abs(crack->Piece(segment).Curvature(s-crack->ArcLength(segment))));
+        if (largest*s_reach*i/n > 0.5) return s_reach*i/n;
+      }
+    return std::numeric_limits<double>::infinity();
+  }
+
+  TipCurve::Turns<double> TipCurve :: General (double r) const
+  {
+    r = std::clamp(r, 1e-12*reach, reach);
+    // Newton's method for the point at distance r: the distance grows with s, at half its rate at least
+    double s = r * s_reach/reach;
+    Point d, t;
+    double k = 0;
+    for (int it = 0; it < 30; it++)
+      {
+        double at = FromEnd(s);
+        size_t segment = crack->SegmentAt(at);
+        d = crack->PointAt(segment, at)-tip;
+        t = crack->Tangent(segment, at);
+        k = crack->Piece(segment).Curvature(at-crack->ArcLength(segment));
+        if (at_end) { t = Point(-1*t); k = -k; }
+        double now = Norm(d);
+        if (now == 0) { s = r; continue; }
+        double step = (r-now)*now/Dot(d, t);
+        s = std::clamp(s+step, 1e-14*s_reach, s_reach);
+        if (std::abs(step) < 1e-14*s_reach) break;
+      }
+    double now = Norm(d);
+    Point e = 1/now * d;
+    double along = Dot(e, t), across = Cross(e, t);
+    double slope = now < 1e-6*reach ? 0.5*curvature : across/(now*along);
+    return { { -Dot(e, ahead), -Dot(e, Left(ahead)), slope }, { -Dot(t, ahead), -Dot(t, Left(ahead)), k/along } };
+  }
+}

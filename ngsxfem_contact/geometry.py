@@ -1,0 +1,225 @@
+"""Curved cracks from points, parametrised curves and level sets: Crack.Spline, Crack.Curve, Crack.LevelSet."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ._ngsxfem_contact import Crack
+
+ENDS = ("not-a-knot", "natural")
+
+
+def of_spline(spline):
+    """The Crack along a scipy CubicSpline with two components."""
+    t, p, d = spline.x, spline(spline.x), spline(spline.x, 1)
+    h = np.diff(t)[:, None]
+    pieces = np.stack([p[:-1], h * d[:-1], p[1:], h * d[1:]], axis=1)
+    return Crack.OfPieces([("cubic", [tuple(map(float, q)) for q in piece]) for piece in pieces])
+
+
+def checked(points, name):
+    points = np.asarray(points, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+        raise ValueError(f"{name}: give at least two points (x, y), got an array of shape {points.shape}")
+    if not np.isfinite(points).all():
+        raise ValueError(f"{name}: point {int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])} is not finite")
+    return points
+
+
+def spline(points, ends="not-a-knot"):
+    """The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
+
+    ends: "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
+    Raises ValueError for repeated points, Exception for a curve that meets itself.
+    """
+    points = checked(points, "Crack.Spline")
+    if ends not in ENDS:
+        raise ValueError(f"Crack.Spline: ends={ends!r} is not one of {ENDS}")
+    chords = np.hypot(*np.diff(points, axis=0).T)
+    if chords.min() <= 1e-10 * chords.sum():
+        i = int(np.argmin(chords))
+        raise ValueError(f"Crack.Spline: points {i} and {i + 1} coincide at {tuple(points[i].tolist())}; remove one of them")
+    if len(points) == 2:
+        return Crack([tuple(p) for p in points.tolist()])
+    return of_spline(CubicSpline(np.concatenate([[0], np.cumsum(chords)]), points, bc_type=ends))
+
+
+def curve(function, t0, t1, tolerance=1e-12, max_pieces=4096):
+    """The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
+
+    function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
+    Raises ValueError if max_pieces pieces do not reach the tolerance.
+    """
+    at = lambda t: checked([function(float(ti)) for ti in t], "Crack.Curve")
+    n, t = 8, np.linspace(t0, t1, 9)
+    points = at(t)
+    while True:
+        interpolant = CubicSpline(t, points)
+        between = 0.5 * (t[1:] + t[:-1])
+        exact = at(between)
+        error = np.hypot(*(interpolant(between) - exact).T).max()
+        if error <= tolerance * np.hypot(*np.diff(points, axis=0).T).sum():
+            return of_spline(interpolant)
+        if 2 * n > max_pieces:
+            raise ValueError(
+                f"Crack.Curve: {n} cubics deviate by {error:.1e}, more than tolerance={tolerance:g} × length; "
+                "the curve must be smooth (join pieces at its kinks), or allow a larger tolerance"
+            )
+        n, t = 2 * n, np.insert(t, range(1, n + 1), between)
+        points = np.insert(points, range(1, len(points)), exact, axis=0)
+
+
+def level_set(mesh, phi, psi=None, tolerance=1e-10, max_points=4096):
+    """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
+
+    The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
+    through them deviates from φ = 0 by less than tolerance × its length. Straight ones become segments.
+    The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
+    Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
+    zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
+    """
+    chain = LevelSetChain(mesh, phi, psi).Points()
+    length = np.hypot(*np.diff(chain.points, axis=0).T).sum()
+    return chain.Fitted(tolerance * length, max_points)
+
+
+class LevelSetChain:
+    """Points on φ = 0 in order, φ > 0 to the left."""
+
+    def __init__(self, mesh, phi, psi):
+        self.mesh, self.phi, self.psi = mesh, phi, psi
+
+    def Value(self, cf, points):
+        return np.ravel(cf(self.mesh(*np.asarray(points, dtype=float).T)))
+
+    def Points(self):
+        """Finds them where φ = 0 crosses edges, cut off at ψ = 0."""
+        vertices = np.array([v.point for v in self.mesh.vertices])
+        edges = np.array([[v.nr for v in edge.vertices] for edge in self.mesh.edges])
+        plus = self.Value(self.phi, vertices) >= 0
+        crossed = np.flatnonzero(plus[edges[:, 0]] != plus[edges[:, 1]])
+        if len(crossed) == 0:
+            raise ValueError("Crack.LevelSet: phi has one sign at all vertices of the mesh; there is no crack, or the mesh is too coarse to see it")
+        crossing = dict(zip(crossed.tolist(), self.Roots(vertices[edges[crossed, 0]], vertices[edges[crossed, 1]])))
+        neighbours = {edge: [] for edge in crossing}
+        for element in self.mesh.Elements():
+            pair = [edge.nr for edge in element.edges if edge.nr in crossing]
+            if pair:
+                neighbours[pair[0]].append(pair[1])
+                neighbours[pair[1]].append(pair[0])
+        branches = [branch for chain in chains(neighbours) for branch in self.Inside(np.array([crossing[edge] for edge in chain]))]
+        if len(branches) != 1:
+            places = "; ".join(f"from {tuple(b[0].round(6).tolist())} to {tuple(b[-1].round(6).tolist())}" for b in branches)
+            raise ValueError(f"Crack.LevelSet: {len(branches)} branches of phi = 0, psi < 0 ({places}); choose psi so that one is left")
+        self.points = self.Oriented(without_short_chords(branches[0]))
+        return self
+
+    def Roots(self, a, b):
+        """Where φ changes its sign between points a and b (n, 2)."""
+        positive = self.Value(self.phi, a) >= 0
+        lo, hi = np.zeros(len(a)), np.ones(len(a))
+        for _ in range(54):
+            middle = 0.5 * (lo + hi)
+            same = (self.Value(self.phi, a + middle[:, None] * (b - a)) >= 0) == positive
+            lo, hi = np.where(same, middle, lo), np.where(same, hi, middle)
+        return a + lo[:, None] * (b - a)
+
+    def Project(self, points, normals, size):
+        """Points on φ = 0 along the normals, by the secant method."""
+        shift, other = np.zeros(len(points)), np.full(len(points), 1e-4) * size
+        at = lambda tau: self.Value(self.phi, points + tau[:, None] * normals)
+        f, g = at(shift), at(other)
+        for _ in range(12):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = np.where(f != g, f * (shift - other) / (f - g), 0)
+            other, g, shift = shift, f, shift - np.clip(step, -0.5 * size, 0.5 * size)
+            f = at(shift)
+        return points + shift[:, None] * normals
+
+    def Inside(self, chain):
+        """The parts of a chain in which ψ < 0, with ends on ψ = 0."""
+        if self.psi is None:
+            return [chain]
+        inside, parts = self.Value(self.psi, chain) < 0, []
+        starts = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(int), [0]])) == 1)
+        ends = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(int), [0]])) == -1)
+        for i, j in zip(starts, ends):
+            part = list(chain[i:j])
+            if i > 0:
+                part.insert(0, self.End(chain[i], chain[i - 1]))
+            if j < len(chain):
+                part.append(self.End(chain[j - 1], chain[j]))
+            parts.append(np.array(part))
+        return parts
+
+    def End(self, inner, outer):
+        """The point of φ = 0 between two points of it at which ψ = 0."""
+        size = np.hypot(*(outer - inner))
+        normal = np.array([[-(outer - inner)[1], (outer - inner)[0]]]) / size
+        at = lambda t: self.Project((inner + t * (outer - inner))[None], normal, size)
+        lo, hi = 0.0, 1.0
+        for _ in range(50):
+            middle = 0.5 * (lo + hi)
+            lo, hi = (middle, hi) if self.Value(self.psi, at(middle))[0] < 0 else (lo, middle)
+        return at(lo)[0]
+
+    def Oriented(self, points):
+        """φ > 0 lies to the left."""
+        i = len(points) // 2
+        chord = points[i] - points[i - 1]
+        left = 0.5 * (points[i] + points[i - 1]) + 0.05 * np.array([-chord[1], chord[0]])
+        return points if self.Value(self.phi, left[None])[0] > 0 else points[::-1]
+
+    def Fitted(self, tolerance, max_points):
+        """The spline through the points, with further points between them until it deviates by less than the tolerance."""
+        while True:
+            points = self.points
+            ends = points[[0, -1]]
+            direction = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
+            if np.abs((points - ends[0]) @ [-direction[1], direction[0]]).max() <= tolerance:
+                return Crack([tuple(p) for p in ends.tolist()])
+            t = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+            interpolant = CubicSpline(t, points)
+            between = 0.5 * (t[1:] + t[:-1])
+            guess, tangent = interpolant(between), interpolant(between, 1)
+            normals = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.hypot(*tangent.T)[:, None]
+            exact = self.Project(guess, normals, np.diff(t).min())
+            error = np.hypot(*(exact - guess).T).max()
+            if error <= tolerance:
+                return of_spline(interpolant)
+            if 2 * len(points) > max_points:
+                raise ValueError(
+                    f"Crack.LevelSet: a spline through {len(points)} points deviates by {error:.1e}, more than {tolerance:.1e}; "
+                    "phi = 0 must be smooth (P_k functions have kinks on edges): allow a larger tolerance"
+                )
+            self.points = np.insert(points, range(1, len(points)), exact, axis=0)
+
+
+def chains(neighbours):
+    """Paths through a graph {node: neighbours} in which every node has one or two; raises ValueError for a closed one."""
+    left = set(neighbours)
+    paths = []
+    for start in [node for node, others in neighbours.items() if len(others) == 1]:
+        if start not in left:
+            continue
+        path, node = [], start
+        while node is not None:
+            path.append(node)
+            left.discard(node)
+            node = next((other for other in neighbours[node] if other in left), None)
+        paths.append(path)
+    if left:
+        raise ValueError("Crack.LevelSet: phi = 0 has a closed branch; a crack has two ends: change phi away from the crack")
+    return paths
+
+
+def without_short_chords(points):
+    """Leaves out inner points that are much closer to the one before (or to the end) than usual: they would bend a spline."""
+    least = 0.3 * np.median(np.hypot(*np.diff(points, axis=0).T))
+    kept = [points[0]]
+    for p in points[1:-1]:
+        if np.hypot(*(p - kept[-1])) > least and np.hypot(*(p - points[-1])) > least:
+            kept.append(p)
+    return np.array([*kept, points[-1]])
+
+
+Crack.Spline, Crack.Curve, Crack.LevelSet = staticmethod(spline), staticmethod(curve), staticmethod(level_set)
