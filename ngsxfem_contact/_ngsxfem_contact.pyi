@@ -98,9 +98,13 @@ class Crack:
         """
 
     @staticmethod
-    def Curve(function: collections.abc.Callable[[float], tuple[float, float]], t0: float, t1: float, tolerance: float = 1e-12, max_pieces: int = 4096) -> Crack:
+    def Curve(function, t0, t1, tolerance=1e-12, max_pieces=4096):
         """
         The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
+
+            function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
+            Raises ValueError if max_pieces pieces do not reach the tolerance.
+
         """
 
     @staticmethod
@@ -110,9 +114,16 @@ class Crack:
         """
 
     @staticmethod
-    def LevelSet(mesh, phi, psi=None, tolerance: float = 1e-10, max_points: int = 4096) -> Crack:
+    def LevelSet(mesh, phi, psi=None, tolerance=1e-10, max_points=4096):
         """
         The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
+
+            The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
+            through them deviates from φ = 0 by less than tolerance × its length. Straight ones become segments.
+            The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
+            Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
+            zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
+
         """
 
     @staticmethod
@@ -122,9 +133,18 @@ class Crack:
         """
 
     @staticmethod
-    def Spline(points: collections.abc.Sequence[tuple[float, float]], ends: str = "not-a-knot") -> Crack:
+    def Spline(points, ends="not-a-knot"):
         """
         The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
+
+            ends: "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
+            Raises ValueError for repeated points, Exception for a curve that meets itself.
+
+        """
+
+    def ArcLength(self, point: tuple[float, float]) -> float:
+        """
+        Arc length of the nearest point of the crack.
         """
 
     def CurvatureAt(self, s: float) -> float:
@@ -142,11 +162,18 @@ class Crack:
         Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.
         """
 
+    def PointAt(self, s: float) -> tuple[float, float]:
+        """
+        The point at arc length s.
+        """
+
+    def SideOf(self, point: tuple[float, float]) -> Side: ...
     def TangentAt(self, s: float) -> tuple[float, float]:
         """
         The unit tangent at arc length s.
         """
 
+    def __init__(self, points: collections.abc.Sequence[tuple[float, float]]) -> None: ...
     @property
     def kinks(self) -> list[float]:
         """
@@ -154,27 +181,19 @@ class Crack:
         """
 
     @property
+    def length(self) -> float: ...
+    @property
     def pieces(self) -> list[tuple[str, list[tuple[float, float]]]]:
         """
         What OfPieces takes.
         """
 
-    def ArcLength(self, point: tuple[float, float]) -> float:
+    @property
+    def points(self) -> list[tuple[float, float]]:
         """
-        Arc length of the nearest point of the crack.
+        The points of a polyline; of a curve the ends of its pieces.
         """
 
-    def PointAt(self, s: float) -> tuple[float, float]:
-        """
-        The point at arc length s.
-        """
-
-    def SideOf(self, point: tuple[float, float]) -> Side: ...
-    def __init__(self, points: collections.abc.Sequence[tuple[float, float]]) -> None: ...
-    @property
-    def length(self) -> float: ...
-    @property
-    def points(self) -> list[tuple[float, float]]: ...
     @property
     def side(self) -> ngsolve.fem.CoefficientFunction:
         """
@@ -236,17 +255,17 @@ class Piece:
 
 class ElementLocation:
     @property
-    def chords(self) -> list[tuple[float, float]]:
-        """
-        Arc lengths between which the crack is in the element.
-        """
-
-    @property
     def arclength(self) -> tuple[float, float]: ...
     @property
     def area_minus(self) -> float: ...
     @property
     def area_plus(self) -> float: ...
+    @property
+    def chords(self) -> list[tuple[float, float]]:
+        """
+        Arc lengths between which the crack is in the element.
+        """
+
     @property
     def degeneracy(self) -> Degeneracy: ...
     @property

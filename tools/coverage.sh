@@ -9,7 +9,7 @@ out=$root/build/coverage package=$root/build/coverage/package/ngsxfem_contact
 mkdir -p "$package"
 cp -r "$root"/ngsxfem_contact/*.py "$root"/ngsxfem_contact/*.pyi "$root"/ngsxfem_contact/py.typed "$package"
 
-dir() { "$python" -m "$1.config" get_cmake_dir 2> /dev/null || "$python" -c "import $1.config; print($1.config.get_cmake_dir())"; }
+dir() { "$python" -m "$1.config" get_cmake_dir; }
 cmake -S "$root" -B "$out/build" -G Ninja -DCOVERAGE=ON -DCMAKE_BUILD_TYPE=Debug -DPython3_EXECUTABLE="$python" \
   -DNGSolve_DIR="$(dir ngsolve)" -DNetgen_DIR="$(dir netgen)" -DNGSOLVE_VERSION="$("$python" -c 'import ngsolve.config as c; print(c.NGSOLVE_VERSION_PYTHON)')" > "$out/cmake.log"
 ninja -C "$out/build"

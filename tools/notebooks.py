@@ -3,6 +3,7 @@
 A notebook whose script did not change since is kept. A cell that fails ends the run.
 """
 
+import os
 import sys
 from pathlib import Path
 from time import perf_counter
@@ -23,6 +24,7 @@ def execute(script, target):
 
 
 if __name__ == "__main__":
+    os.environ.setdefault("NGS_NUM_THREADS", "1")  # problems this small gain nothing from more, and lose much on a busy machine
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "tutorials"
     folder.mkdir(parents=True, exist_ok=True)
     for script in sorted((ROOT / "tutorials").glob("*.py")):

@@ -36,8 +36,8 @@ plt.show()
 # %% [markdown]
 # ## Errors without stabilisation (figure 8)
 #
-# Relative errors of the displacement in $L^2(\Omega)$ and $H^1(\Omega)$ and of the multiplier in $L^2(\Gamma_C)$; in brackets the fitted slopes. P1/P1 is singular. The
-# multipliers of P1/P0 are off by their whole size, spurious modes as in tutorial 4, and three coarse meshes say nothing about a slope of theirs.
+# Relative errors of the displacement in $L^2(\Omega)$ and $H^1(\Omega)$ and of the multiplier in $L^2(\Gamma_C)$; in brackets the fitted slopes. The
+# multipliers that go with P1 do not converge: spurious modes, as in tutorial 4. (On unstructured meshes P1/P1 is singular.) The displacement does not mind.
 
 # %%
 figures.convergence(records, "none")
@@ -46,8 +46,8 @@ plt.show()
 # %% [markdown]
 # ## Errors with stabilisation (figure 9)
 #
-# All pairs converge. P2 gains half an order in $H^1$ over P1; more is not to be had, because $u$ has just less than 5/2 derivatives where contact ends: the gap opens like
-# $x^{3/2}$.
+# Now all pairs converge. P2 gains over P1, but less than a whole order on finer meshes: $u$ has just less than 5/2 derivatives where contact ends, since the gap
+# opens like $x^{3/2}$, so that the rate in $H^1$ tends to 3/2.
 
 # %%
 figures.convergence(records, "larger")
