@@ -89,7 +89,7 @@ def test_the_sources_are_here():
 
 def test_the_reader_sees_what_it_should():
     """The parsers are not blind."""
-    assert "crack" in cpp_graph()["element_location"] and "elasticity" in python_graph()["spaces"]
+    assert "crack" in cpp_graph()["element_division"] and "elasticity" in python_graph()["spaces"]
     assert cycles({"a": {"b"}, "b": {"a"}, "c": {"a"}}) == {"a", "b"}
     assert imported(ast.parse("from .. import x").body[0]) == set()
     assert imported(ast.parse("from . import solver").body[0]) == {"solver"} == imported(ast.parse("import ngsxfem_contact.solver").body[0])

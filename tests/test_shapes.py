@@ -35,7 +35,7 @@ def test_uniform_pressure_on_any_curve(crack, pair):
     assert profile.sigma_n == pytest.approx(np.full(60, -p), abs=1e-6 if len(crack.points) > 3 else 1e-8)
     assert np.abs(profile.gap).max() < 1e-9 and np.abs(profile.slip).max() < 1e-8
     for tip in range(len(body.tips)):
-        assert tuple(solution.StressIntensity(tip)) == pytest.approx((0, 0), abs=1e-7)
+        assert tuple(solution.StressIntensity(tip, method="modes")) == pytest.approx((0, 0), abs=1e-7)
 
 
 def arc_solution(slope=-0.4, beta=(0.1, -0.2)):
