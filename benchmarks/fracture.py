@@ -30,6 +30,7 @@ PLATES = {
 MORE = {
     "two cracks, first": {"cracks": [[(0, 0.1), (0.4, 0.1)], [(0.63, -0.12), (1, -0.12)]], "p": 0.05, "tip": 0, "K_I": 0.0, "K_II": -0.0719215},
     "two cracks, second": {"cracks": [[(0, 0.1), (0.4, 0.1)], [(0.63, -0.12), (1, -0.12)]], "p": 0.05, "tip": 1, "K_I": 0.0, "K_II": 0.0477563},
+    "arc": {"cracks": [((0, 0), (0.25, 0.05), (0.5, 0))], "p": 0, "tip": 0, "K_I": 0.0, "K_II": -0.0580771},
     "kinked": {"cracks": [[(0, 0.02), (0.3, 0.02), (0.52, 0.13)]], "p": 0.02, "tip": 0, "K_I": 0.0050838, "K_II": -0.156925},
 }
 
@@ -91,10 +92,11 @@ def finite():
 
 def loaded(mesh, cracks, p):
     """Load C with tractions (0, -p) on the top, (0, p) on the bottom."""
-    problem = problem_on(mesh, [Crack(points) for points in cracks])
+    problem = problem_on(mesh, [Crack.Arc(*points) if isinstance(points, tuple) else Crack(points) for points in cracks])
     v, body = problem.V.TestFunction(), problem.body
     problem.f += BODY_FORCE * v * body.dx(bonus_intorder=6) + TRACTION["C"] * v * body.ds("left|right", bonus_intorder=6)
-    problem.f += CF((0, -p)) * v * body.ds("top") + CF((0, p)) * v * body.ds("bottom")
+    if p:
+        problem.f += CF((0, -p)) * v * body.ds("top") + CF((0, p)) * v * body.ds("bottom")
     problem.Pin((1, -0.5), "xy")
     problem.Pin((1, 0.5), "x")
     return problem.Solve()

@@ -4,17 +4,19 @@ All are values of one symmetric form of two equilibrated fields a, b at a tip wi
 
     I(a,b) = -∫ ∇q·M - ∫ q (f_a·∂_e b + f_b·∂_e a) + ∫_{lips} q M·ν,    M = (σ_a:∇b) e - σ_a ∂_e b - σ_b ∂_e a,
 
-q = 1 at the tip, 0 outside of a disk, ν outward. The tractions of the lips are those of contact and friction, λ n + λ_t t.
+q = 1 at the tip, 0 outside of a disk, ν outward. The tractions of the lips are those of contact and friction, λ n + λ_t t;
+λ_h is least accurate at a tip, where it counts most: at straight tips the mean of λ_h and σ_n(u_h) is taken, and half of
+their difference is reported everywhere.
 I(u, mode of unit K) = (κ+1)/(4μ) K, and I(u,u) = 2G.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
-from ngsolve import BitArray, InnerProduct, Integrate
+from ngsolve import BitArray, IfPos, InnerProduct, Integrate
 
 from . import _ngsxfem_contact as core
-from .operators import Gradient, NormalGap, Slip
+from .operators import Gradient, NormalGap, NormalStress, Slip, Strain
 from .spaces import crack_points
 from .split_mesh import mesh_arrays
 from .tip_fields import SIDE, TipFrame
@@ -26,7 +28,8 @@ RADII = (1, 0.75, 0.5)  # of the disks that are compared, relative to the larges
 class StressIntensityFactors:
     """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip.  K_I, K_II = factors.
 
-    error: the largest change of K_I or K_II over by_radius, (n, 2), the values at `radii`; nan if there is one value only.
+    error: the largest change of K_I or K_II over by_radius, (n, 2), the values at `radii`, or half the change from λ_h to
+        σ_n(u_h) on closed lips; nan if there is one value only.
     modes: coefficients of the modes in the space (error O(h^{1/2}) for P1, O(h) for P2), or None.
     """
 
@@ -84,15 +87,26 @@ def mode_fields(frame, material):
         yield TipField(gradient, stress, {side: stress[side] * frame.body.normal for side in SIDE})
 
 
-def solution_field(solution):
-    """u with its load and the tractions λ n + λ_t t of contact and friction."""
+def solution_field(solution, frame):
+    """u with its load and the tractions of contact and friction: the normal one from λ_h and σ_n(u_h), and λ_t."""
     body, material = solution.body, solution.problem.material
     gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
     stress = {side: material.Stress(_symmetric(g)) for side, g in gradient.items()}
-    traction = solution.multiplier * body.normal
-    if getattr(solution, "tangential_multiplier", None) is not None:
+    multiplier, mean = pressures(solution)
+    # the lips of a bent tip function are not free of traction: σ_n(u_h) is the worse one there
+    straight = frame.crack.CurvatureAt(frame.tip.s) == 0
+    traction = (0.5 * (multiplier + mean) if straight else multiplier) * body.normal
+    if solution.tangential_multiplier is not None:
         traction = traction + solution.tangential_multiplier * body.tangent
     return TipField(gradient, stress, dict.fromkeys(SIDE, traction), solution.load.applied)
+
+
+def pressures(solution):
+    """λ_h, and instead of it, where the faces touch, the mean of σ_n(u_h) from both sides: both ≤ 0 in exact contact."""
+    stress = solution.problem.material.Stress
+    mean = sum(0.5 * NormalStress(stress(Strain(solution.u, side)), solution.body) for side in SIDE)
+    threshold = 1e-10 * np.abs(solution.multiplier.vec.FV().NumPy()).max()
+    return solution.multiplier, IfPos(-solution.multiplier - threshold, mean, solution.multiplier)
 
 
 def _symmetric(gradient):
@@ -128,7 +142,15 @@ class TipIntegral:
             along_n = InnerProduct(a.stress[side], b.gradient[side]) * InnerProduct(e, n)
             along_n -= InnerProduct(a.traction[side], b.gradient[side] * e) + InnerProduct(b.traction[side], a.gradient[side] * e)
             flow -= sign * along_n
-        return float(self.weights @ (self.q * flow).Compile()(self.points).ravel())
+        return self._along(flow)
+
+    def OfPressure(self, pressure, b):
+        """The part of I(a,b) that a pressure p n on the lips of a has: ∫ q p n·∂_e jump(b)."""
+        return self._along(pressure * InnerProduct((b.gradient["plus"] - b.gradient["minus"]) * self.frame.ahead, self.body.normal))
+
+    def _along(self, f):
+        """∫ q f over the crack."""
+        return float(self.weights @ (self.q * f).Compile()(self.points).ravel())
 
 
 def crack_rule(W, tip, radius, n=10):
@@ -194,12 +216,15 @@ class InteractionIntegral:
     radius: float | None = None
 
     def Evaluate(self, solution, tip):
-        """StressIntensityFactors of the largest domain, with their change over three."""
+        """StressIntensityFactors of the largest domain, with their change over three and with the pressure."""
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
-        u, modes, radii = solution_field(solution), list(mode_fields(frame, material)), disks(frame, solution.problem.material, self.radius)
+        u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution.problem.material, self.radius)
         integrals = [TipIntegral(solution.problem.W, frame, radius) for radius in radii]
-        K = 4 * material.mu / (material.kappa + 1) * np.array([[I(u, mode) for mode in modes] for I in integrals])
-        return StressIntensityFactors(*map(float, K[0]), float(np.ptp(K, axis=0).max()), radii, K, mode_coefficients(solution, tip))
+        scale = 4 * material.mu / (material.kappa + 1)
+        K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
+        first, second = pressures(solution)
+        doubt = [0.5 * scale * abs(integrals[0].OfPressure(first - second, mode)) for mode in modes]
+        return StressIntensityFactors(*map(float, K[0]), float(max(*np.ptp(K, axis=0), *doubt)), radii, K, mode_coefficients(solution, tip))
 
 
 @dataclass(frozen=True)
@@ -269,7 +294,7 @@ def energy_release_rate(solution, tip, radius):
     material, frame = material_at(solution, tip), TipFrame(solution.body, tip)
     K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
     irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
-    u, radii = solution_field(solution), disks(frame, solution.problem.material, radius)
+    u, radii = solution_field(solution, frame), disks(frame, solution.problem.material, radius)
     G = np.array([0.5 * TipIntegral(solution.problem.W, frame, r)(u, u) for r in radii])
     return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)
 
