@@ -231,7 +231,8 @@ def test_other_fitted_solutions(name):
     problem = problem_on(unstructured_mesh(0.016), *cracks)
     v, body = problem.V.TestFunction(), problem.body
     problem.f += BODY_FORCE * v * body.dx(bonus_intorder=6) + TRACTION["C"] * v * body.ds("left|right", bonus_intorder=6)
-    problem.f += CF((0, -p)) * v * body.ds("top") + CF((0, p)) * v * body.ds("bottom")
+    if p:
+        problem.f += CF((0, -p)) * v * body.ds("top") + CF((0, p)) * v * body.ds("bottom")
     problem.Pin((1, -0.5), "xy")
     problem.Pin((1, 0.5), "x")
     solution = problem.Solve()
