@@ -27,7 +27,7 @@ notebooks: $(VENV)/docs.stamp ## execute the tutorials to notebooks in docs/tuto
 	$(BIN)/python tools/notebooks.py
 
 docs: notebooks ## build the documents in build/docs, warnings are errors
-	$(BIN)/python -m sphinx -W --keep-going -q docs build/docs
+	$(BIN)/sphinx-build -W --keep-going -q docs build/docs
 
 lint: $(VENV)/dev_tools.stamp ## check format, style and types
 	$(BIN)/ruff check .
