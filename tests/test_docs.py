@@ -15,7 +15,13 @@ PUBLIC = {name for name, value in vars(ngsxfem_contact).items() if not name.star
 
 def test_the_reference_has_every_public_name():
     described = re.findall(r"::\s+ngsxfem_contact\.(\w+)$", (DOCS / "api.md").read_text(encoding="utf-8"), re.M)
-    assert set(described) - {"plotting"} == PUBLIC
+    assert sorted(set(described) - {"plotting"}) == sorted(PUBLIC)
+    assert len(described) == len(set(described))
+
+
+def test_every_page_is_in_the_contents():
+    listed = re.findall(r"^[\w-]+$", (DOCS / "index.md").read_text(encoding="utf-8"), re.M)
+    assert {page.stem for page in DOCS.glob("*.md")} - {"index"} <= set(listed)
 
 
 def code_of(page):
