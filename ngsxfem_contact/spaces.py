@@ -24,7 +24,7 @@ class TipEnrichment:
         functions (8) of [AHLMR12] in each component: 8 unknowns.
     functions: "modes" or "branch" to choose explicitly.
     tolerance: of the integration rules around the tip, relative to the integral over an element. The default changes the
-        errors of energy and K by less than a hundredth of themselves (docs/measured.md).
+        mean errors of energy and K by less than a hundredth of themselves (tests/test_contact.py).
     """
 
     r0: float | None = None
