@@ -1,6 +1,6 @@
 """Arc, two cracks and a kinked crack against boundary-fitted reference values: deviations and rates.
 
-python benchmarks/shapes.py [--maxh 0.12 0.06 0.03] [--pairs P2/P1]
+python benchmarks/shapes.py [--maxh 0.08 0.05 0.03] [--pairs P2/P1]
 """
 
 import argparse
@@ -23,7 +23,7 @@ def meshes(name, sizes):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--maxh", type=float, nargs="+", default=[0.12, 0.06, 0.03])
+    parser.add_argument("--maxh", type=float, nargs="+", default=[0.08, 0.05, 0.03])
     parser.add_argument("--pairs", nargs="+", default=["P2/P1", "P1/P0"])
     parser.add_argument("--shapes", nargs="+", default=list(SHAPES))
     arguments = parser.parse_args()
