@@ -71,7 +71,7 @@ def default_inverse(size):
 class ReducedLoad:
     """A right-hand side F with A⁻¹F as the crack feels it.  border: what is left of F at the tips' unknowns.  crack: C A⁻¹F.
 
-    Linear in F: `load.Combine(factors, loads)`.
+    Linear in F: reduced loads add and are multiplied by numbers.
     """
 
     rhs: np.ndarray
