@@ -1,15 +1,23 @@
 """Positions of a crack that coincide with vertices, edges and edge midpoints of a mesh, or nearly so."""
 
 import numpy as np
-from ngsolve import Mesh
+from bodies import boundary_segments, distance_to_segments, polygon_mesh, ray_to_boundary, unit
 from ngsolve.meshes import MakeStructured2DMesh
 
-from bodies import boundary_segments, distance_to_segments, polygon_mesh, ray_to_boundary, unit
 from ngsxfem_contact import Crack
 
-KINDS = ("through vertices", "along edges", "tip on a vertex", "tip on an edge", "two tips on vertices", "kink on a vertex", "kink on an edge", "from mouth to mouth")
+KINDS = (
+    "through vertices",
+    "along edges",
+    "tip on a vertex",
+    "tip on an edge",
+    "two tips on vertices",
+    "kink on a vertex",
+    "kink on an edge",
+    "from mouth to mouth",
+)
 DISPLACEMENTS = (0, 1e-15, 1e-12, 1e-9, 1e-6)
-GENERIC = 0.27     # a displacement that nothing is special about
+GENERIC = 0.27  # a displacement that nothing is special about
 
 
 def mesh_of(sample, refined):
@@ -55,13 +63,21 @@ def places(kind, rng, vertices, edges):
         far = 0.15 < np.hypot(*(p - q)) < 0.5
         middle, onward = 0.5 * (a + b), away(angle + turn, 0.25)
         match kind:
-            case "through vertices": points, mouths, fits = [p, q, q + 0.37 * unit(q - p) * 0.15], 1, far
-            case "along edges": points, mouths, fits = [a, b], 1, True
-            case "tip on a vertex": points, mouths, fits = [p - away(angle, 0.1), p], 1, True
-            case "tip on an edge": points, mouths, fits = [middle - away(angle, 0.1), middle], 1, True
-            case "two tips on vertices": points, mouths, fits = [p, q], 0, far
-            case "kink on a vertex": points, mouths, fits = [p - away(angle, 0.1), p, p + onward], 1, True
-            case "kink on an edge": points, mouths, fits = [middle - away(angle, 0.1), middle, middle + onward], 1, True
-            case "from mouth to mouth": points, mouths, fits = [p, q], 2, far
+            case "through vertices":
+                points, mouths, fits = [p, q, q + 0.37 * unit(q - p) * 0.15], 1, far
+            case "along edges":
+                points, mouths, fits = [a, b], 1, True
+            case "tip on a vertex":
+                points, mouths, fits = [p - away(angle, 0.1), p], 1, True
+            case "tip on an edge":
+                points, mouths, fits = [middle - away(angle, 0.1), middle], 1, True
+            case "two tips on vertices":
+                points, mouths, fits = [p, q], 0, far
+            case "kink on a vertex":
+                points, mouths, fits = [p - away(angle, 0.1), p, p + onward], 1, True
+            case "kink on an edge":
+                points, mouths, fits = [middle - away(angle, 0.1), middle, middle + onward], 1, True
+            case "from mouth to mouth":
+                points, mouths, fits = [p, q], 2, far
         if fits and all(inside(point) for point in points):
             return points, mouths

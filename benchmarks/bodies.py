@@ -7,7 +7,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 
 from ngsxfem_contact import Crack
 
-MARGIN = 0.12   # of tips and kinks from the boundary; the bodies have a diameter of about 1.2
+MARGIN = 0.12  # of tips and kinks from the boundary; the bodies have a diameter of about 1.2
 
 
 def polygon_mesh(corners, maxh):

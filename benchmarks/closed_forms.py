@@ -1,6 +1,6 @@
 """Errors and rates on the closed forms (a) to (d), means over rotated and shifted bodies.
 
-    python benchmarks/closed_forms.py [a b c d] [--realisations 10]
+python benchmarks/closed_forms.py [a b c d] [--realisations 10]
 """
 
 import argparse
@@ -11,7 +11,6 @@ from ngsolve import TaskManager, ngsglobals
 from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact.paper import MATERIAL, PAIRS
-
 
 
 def solve(mesh, crack, exact, pair, tip=None, stabilisation=BarbosaHughes()):
@@ -62,7 +61,13 @@ def report(name, case, maxhs, pairs, realisations):
     """One line for each pair: rates and mean errors of energy norm, λ (and K)."""
     for pair in pairs:
         errors = means(case, maxhs, pair, realisations)
-        print(f"({name}) {pair:7} rates " + " ".join(f"{r:5.2f}" for r in rates(maxhs, errors)) + "   errors " + "  ".join("/".join(f"{e:.1e}" for e in row) for row in errors), flush=True)
+        print(
+            f"({name}) {pair:7} rates "
+            + " ".join(f"{r:5.2f}" for r in rates(maxhs, errors))
+            + "   errors "
+            + "  ".join("/".join(f"{e:.1e}" for e in row) for row in errors),
+            flush=True,
+        )
 
 
 def main():
@@ -77,7 +82,7 @@ def main():
             for pair in PAIRS:
                 errors = np.array([case_a(i, 0.1, pair) for i in range(n)])
                 print(f"(a) {pair:7} worst of {n}: u {errors[:, 0].max():.1e}  λ {errors[:, 1].max():.1e}", flush=True)
-        fine = [0.04, 0.02, 0.0141, 0.01]        # r1 / 20 = 0.02
+        fine = [0.04, 0.02, 0.0141, 0.01]  # r1 / 20 = 0.02
         if "b" in arguments.cases:
             report("b", lambda *a: case_tip(cf.open_tip(MATERIAL), "K_I", *a), fine, ["P2/P1", "P1/P1"], n)
         if "c" in arguments.cases:

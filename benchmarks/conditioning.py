@@ -87,7 +87,9 @@ def without_small_parts(A, V):
     for j in range(V.num_heaviside):
         dof, _ = V.Heaviside(j)
         for k in (0, 1):
-            kept[V.HeavisideDof(j, k)] = A[V.HeavisideDof(j, k), V.HeavisideDof(j, k)] > DROPPED * A[k * V.scalar_space.ndof + dof, k * V.scalar_space.ndof + dof]
+            kept[V.HeavisideDof(j, k)] = (
+                A[V.HeavisideDof(j, k), V.HeavisideDof(j, k)] > DROPPED * A[k * V.scalar_space.ndof + dof, k * V.scalar_space.ndof + dof]
+            )
     return A[np.ix_(kept, kept)]
 
 
@@ -166,7 +168,9 @@ def disks():
         for tip in ("modes", "branch"):
             for r1 in (0.1, 0.2, 0.45):
                 found = measure(CrackFESpace(body, order=order, tip=TipEnrichment(r1=r1, material=MATERIAL, functions=tip)), order, uncracked)
-                print(f"P{order:<5}{tip:8}{h:7}{r1 / h:6.1f}" + "".join(f"{found[name]:19.3g}" for name in ("shifted", "blocks", "blocks, corrected")), flush=True)
+                print(
+                    f"P{order:<5}{tip:8}{h:7}{r1 / h:6.1f}" + "".join(f"{found[name]:19.3g}" for name in ("shifted", "blocks", "blocks, corrected")), flush=True
+                )
 
 
 def strips():
@@ -179,7 +183,10 @@ def strips():
             found = measure(V, order, uncracked_matrices(mesh, order))
             names = ("H", "shifted", "dropped", "blocks", "softness")
             left_out = int((~cracked_matrices(V)[2]).sum())
-            print(f"P{order:<5}{distance:11.0e}" + "".join(f"{found[name]:10.3g}" for name in names) + f"{found['blocks, corrected']:19.3g}{left_out:10}", flush=True)
+            print(
+                f"P{order:<5}{distance:11.0e}" + "".join(f"{found[name]:10.3g}" for name in names) + f"{found['blocks, corrected']:19.3g}{left_out:10}",
+                flush=True,
+            )
 
 
 def main():

@@ -12,7 +12,20 @@ import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, ngsglobals, x
 
-from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, GivenIncrement, MaximumHoopStress, TipEnrichment, TraceSpace, Tresca, WingCracks
+from ngsxfem_contact import (
+    ContactProblem,
+    Coulomb,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    CrackGrowth,
+    GivenIncrement,
+    MaximumHoopStress,
+    TipEnrichment,
+    TraceSpace,
+    Tresca,
+    WingCracks,
+)
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact import fracture_solutions as fs
 from ngsxfem_contact.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
@@ -67,7 +80,9 @@ def infinite():
                 show(f"{pair}  {name}, tip {tip}", solution, (plate.K_I, plate.K_II), tip)
                 if pair == "P2/P1" and name == "inclined, tension":
                     criterion = MaximumHoopStress()
-                    print(f"      growth direction {np.degrees(criterion.Angle(*solution.StressIntensity(tip))):.3f}°, exact {np.degrees(criterion.Angle(plate.K_I, plate.K_II)):.3f}°")
+                    print(
+                        f"      growth direction {np.degrees(criterion.Angle(*solution.StressIntensity(tip))):.3f}°, exact {np.degrees(criterion.Angle(plate.K_I, plate.K_II)):.3f}°"
+                    )
 
 
 def pulled(mesh, cracks, pair, upper):
@@ -141,7 +156,10 @@ def release():
         exact = 0.375 * (REFERENCE[load]["K_I"] ** 2 + REFERENCE[load]["K_II"] ** 2)
         rate = paper_problem(mesh, load).Solve().EnergyReleaseRate()
         lower, upper = (paper_problem(mesh, load, length=0.5 + d).Solve().PotentialEnergy() for d in (-da, da))
-        print(f"load {load}:  J {rate.G / exact:.5f}  Irwin {rate.irwin / exact:.5f}  -dΠ/da {(lower - upper) / (2 * da) / exact:.5f}  ± {rate.error / exact:.1e}", flush=True)
+        print(
+            f"load {load}:  J {rate.G / exact:.5f}  Irwin {rate.irwin / exact:.5f}  -dΠ/da {(lower - upper) / (2 * da) / exact:.5f}  ± {rate.error / exact:.1e}",
+            flush=True,
+        )
 
 
 def growth():

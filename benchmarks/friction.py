@@ -1,6 +1,6 @@
 """Friction: the closed form (e), all-stick, and boundary-fitted reference solutions with Tresca's and Coulomb's law.
 
-    python benchmarks/friction.py [e stick reference] [--realisations 10]
+python benchmarks/friction.py [e stick reference] [--realisations 10]
 """
 
 import argparse
@@ -72,7 +72,13 @@ def print_reference(name, **options):
 def print_rates(name, case, maxhs, pairs, realisations):
     for pair in pairs:
         errors = means(case, maxhs, pair, realisations)
-        print(f"({name}) {pair:7} rates " + " ".join(f"{r:5.2f}" for r in rates(maxhs, errors)) + "   errors " + "  ".join("/".join(f"{e:.1e}" for e in row) for row in errors), flush=True)
+        print(
+            f"({name}) {pair:7} rates "
+            + " ".join(f"{r:5.2f}" for r in rates(maxhs, errors))
+            + "   errors "
+            + "  ".join("/".join(f"{e:.1e}" for e in row) for row in errors),
+            flush=True,
+        )
 
 
 def main():

@@ -89,24 +89,36 @@ def solve_random(seed, pair):
         solution = position.Problem(pair).Solve()
         report = solution.report
         record |= {"iterations": report.iterations, "fallback": report.fallback, "residual": report.residual, "complementarity": report.complementarity}
-        record |= {"energy": solution.Energy(), "finite": bool(np.isfinite(solution.u.vec.FV().NumPy()).all()), "active": int(report.active[-1].sum()), "signs": len(report.active[-1])}
+        record |= {
+            "energy": solution.Energy(),
+            "finite": bool(np.isfinite(solution.u.vec.FV().NumPy()).all()),
+            "active": int(report.active[-1].sum()),
+            "signs": len(report.active[-1]),
+        }
     except Exception as error:  # every failure is reported
         record["error"] = f"{type(error).__name__}: {str(error).splitlines()[0]}"
     return record | {"seconds": time.perf_counter() - start}
 
 
 def run_random(arguments, write):
-    records = [record for seed in range(arguments.first, arguments.first + arguments.random) for pair in arguments.pairs for record in [write(solve_random(seed, pair))]]
+    records = [
+        record
+        for seed in range(arguments.first, arguments.first + arguments.random)
+        for pair in arguments.pairs
+        for record in [write(solve_random(seed, pair))]
+    ]
     print_random(records)
 
 
 def print_random(records):
     """One line for each pair."""
-    print(f"{'pair':8}{'solves':>7}{'failed':>7}{'not finite':>11}{'fallbacks':>10}{'iterations: median, 99 %, most':>32}{'residual':>10}{'complementarity':>17}{'seconds':>9}")
+    print(
+        f"{'pair':8}{'solves':>7}{'failed':>7}{'not finite':>11}{'fallbacks':>10}{'iterations: median, 99 %, most':>32}{'residual':>10}{'complementarity':>17}{'seconds':>9}"
+    )
     for pair in dict.fromkeys(r["pair"] for r in records):
         mine = [r for r in records if r["pair"] == pair]
         done = [r for r in mine if "error" not in r]
-        column = lambda name: np.array([r[name] for r in done])
+        column = lambda name, done=done: np.array([r[name] for r in done])
         iterations = column("iterations")
         print(
             f"{pair:8}{len(mine):7}{len(mine) - len(done):7}{int((~column('finite')).sum()):11}{int((column('fallback') > 0).sum()):10}"
@@ -173,7 +185,13 @@ def solve_adversarial(kind, sample, displacement, pair, refined=False):
     try:
         solution = adversarial_position(kind, sample, displacement, refined).Problem(pair).Solve()
         report = solution.report
-        record |= {"energy": solution.Energy(), "force": solution.ContactForce(), "residual": report.residual, "complementarity": report.complementarity, "fallback": report.fallback}
+        record |= {
+            "energy": solution.Energy(),
+            "force": solution.ContactForce(),
+            "residual": report.residual,
+            "complementarity": report.complementarity,
+            "fallback": report.fallback,
+        }
     except Exception as error:  # every failure is reported
         record["error"] = f"{type(error).__name__}: {str(error).splitlines()[0]}"
     return record
@@ -191,15 +209,17 @@ def print_adversarial(pair, records, fine):
     """Errors of the energy are relative to P2/P1 on the mesh refined twice; changes to the undisplaced position."""
     failed = [r for r in [*records, *fine.values()] if "error" in r]
     good = {(r["kind"], r["sample"], r["displacement"]): r for r in records if "error" not in r}
-    print(f"{pair:8}{len(records)} solves, {len(failed)} failed; worst residual {max(r['residual'] for r in good.values()):.1e}, complementarity {max(r['complementarity'] for r in good.values()):.1e}")
+    print(
+        f"{pair:8}{len(records)} solves, {len(failed)} failed; worst residual {max(r['residual'] for r in good.values()):.1e}, complementarity {max(r['complementarity'] for r in good.values()):.1e}"
+    )
     print(f"        {'displaced by':>12}{'error of the energy: median':>29}{'worst':>9}{'change of the energy: median':>30}{'worst':>9}{'of ∫λ: worst':>14}")
     for d in dict.fromkeys(key[2] for key in good):
         mine = {key[:2]: r for key, r in good.items() if key[2] == d}
-        exact = {place: fine[*place, d if d == adversarial.GENERIC else 0]["energy"] for place in mine}
+        exact = {place: fine[(*place, d if d == adversarial.GENERIC else 0)]["energy"] for place in mine}
         error = np.array([abs(r["energy"] / exact[place] - 1) for place, r in mine.items()])
         line = f"        {d:10.0e} h{np.median(error):29.1e}{error.max():9.1e}"
         if 0 < d < adversarial.GENERIC:
-            start = {place: good[*place, 0] for place in mine if (*place, 0) in good}
+            start = {place: good[(*place, 0)] for place in mine if (*place, 0) in good}
             change = np.array([abs(mine[place]["energy"] / r["energy"] - 1) for place, r in start.items()])
             forces = [abs(mine[place]["force"] / r["force"] - 1) for place, r in start.items() if r["force"]]
             line += f"{np.median(change):30.1e}{change.max():9.1e}{max(forces):14.1e}"

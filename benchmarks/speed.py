@@ -23,7 +23,17 @@ from time import perf_counter
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import (
-    BilinearForm, BitArray, Grad, InnerProduct, LinearForm, Mesh, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals,
+    BilinearForm,
+    Grad,
+    InnerProduct,
+    LinearForm,
+    Mesh,
+    SetNumThreads,
+    Sym,
+    TaskManager,
+    VectorH1,
+    dx,
+    ngsglobals,
 )  # fmt: skip
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace

@@ -1,6 +1,6 @@
 """Tip functions compared on load B of the paper's test: largest admissible γ_0, errors, unknowns.
 
-    python benchmarks/tips.py [--h 0.088 0.057 0.03 0.016 0.008]
+python benchmarks/tips.py [--h 0.088 0.057 0.03 0.016 0.008]
 """
 
 import argparse
@@ -8,7 +8,7 @@ import argparse
 from ngsolve import TaskManager, ngsglobals
 
 from ngsxfem_contact import BarbosaHughes, Coercivity, TipEnrichment
-from ngsxfem_contact.paper import MATERIAL, PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from ngsxfem_contact.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
 
 TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(), "none": None}
 

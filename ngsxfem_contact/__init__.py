@@ -1,7 +1,9 @@
 """Contact of cracked elastic bodies in NGSolve: cut-off XFEM, stabilised multipliers, active sets."""
 
-from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
-from . import geometry  # noqa: F401  gives Crack its curves
+from . import (
+    _version_check,  # noqa: F401  first: a mismatch must be seen before the extension is loaded
+    geometry,  # noqa: F401  gives Crack its curves
+)
 from ._ngsxfem_contact import Crack, CrackBilinearForm, CrackedMesh, ElementKind, EndKind, Side, Variation
 from .checks import Coercivity, InfSup
 from .conditioning import ConditionNumber, CrackScaling
@@ -11,10 +13,10 @@ from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 from .friction import Coulomb, Tresca
 from .growth import CrackGrowth, GivenIncrement, MaximumHoopStress, Paris, WingCracks
 from .interpolation import Interpolant, Projection
+from .load_steps import LoadCase, LoadSteps
 from .nitsche import Nitsche
 from .nodal_newton import FixedPoint, FullNewton
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress
-from .load_steps import LoadCase, LoadSteps
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .spaces import CrackFESpace, TipEnrichment, TraceSpace

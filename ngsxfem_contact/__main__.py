@@ -15,7 +15,6 @@ from .paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 from .stabilisation import BarbosaHughes
 from .study import REFERENCE_CELLS, SIZES, Study
 
-
 JOBS = ("paper", "study")
 
 
@@ -29,7 +28,9 @@ def parse(arguments):
     paper = jobs.add_parser("paper", help="solve the test once: summary, VTK with the crack open, figures (default)")
     add_paper_options(paper)
     parser.epilog = paper.format_help()
-    add_study_options(jobs.add_parser("study", help="all pairs and meshes against a fine reference: errors, rates, the paper's figures; goes on where it was stopped"))
+    add_study_options(
+        jobs.add_parser("study", help="all pairs and meshes against a fine reference: errors, rates, the paper's figures; goes on where it was stopped")
+    )
     arguments = sys.argv[1:] if arguments is None else arguments
     if not set(arguments[:1]) & {*JOBS, "-h", "--help"}:
         arguments = ["paper", *arguments]
@@ -43,7 +44,9 @@ def add_paper_options(parser):
     parser.description = "A unit square with an edge crack that closes near its tip. Writes a summary, a VTK file with the crack open, and figures."
     parser.add_argument("--h", type=float, default=0.03, help="mesh size in the paper's sense, half the longest edge (default 0.03)")
     parser.add_argument("--pair", choices=PAIRS, default="P2/P1", help="displacement/multiplier (default P2/P1)")
-    parser.add_argument("--load", choices=TRACTION, default="B", help="B: the paper's computation (default); C: ten times its traction; A: as printed, no contact")
+    parser.add_argument(
+        "--load", choices=TRACTION, default="B", help="B: the paper's computation (default); C: ten times its traction; A: as printed, no contact"
+    )
     parser.add_argument("--cone", choices=["nonpositive", "weak"], default="nonpositive", help="of the multipliers (default nonpositive)")
     parser.add_argument("--gamma0", type=float, help="γ = gamma0 h_T instead of the largest safe γ of each element")
     parser.add_argument("--unstabilised", action="store_true", help="no Barbosa-Hughes terms")
@@ -66,7 +69,9 @@ def add_study_options(parser):
     parser.add_argument("--sizes", type=float, nargs="+", default=SIZES, help=f"mesh sizes h of the paper (default {' '.join(map(str, SIZES))})")
     parser.add_argument("--realisations", type=int, default=5, help="meshes of each size (default 5)")
     parser.add_argument("--structured", action="store_true", help="structured meshes instead of unstructured ones")
-    parser.add_argument("--cells", type=int, default=REFERENCE_CELLS, help=f"cells of the reference along a side, odd (default {REFERENCE_CELLS}: the paper's h = 0.0027)")
+    parser.add_argument(
+        "--cells", type=int, default=REFERENCE_CELLS, help=f"cells of the reference along a side, odd (default {REFERENCE_CELLS}: the paper's h = 0.0027)"
+    )
     parser.add_argument("--no-figures", action="store_true", help="no figures (matplotlib is not needed then)")
 
 
@@ -158,7 +163,10 @@ def rates_table(rates):
     names = ("L2", "H1", "energy", "multiplier", "norm")
     lines = [f"{'pair':9}{'stabilisation':14}{'cone':13}{'mesh':14}" + "".join(f"{name:>12}" for name in names)]
     for rate in rates:
-        lines.append(f"{rate['pair']:9}{rate['stabilisation']:14}{rate['cone']:13}{rate['mesh']:14}" + "".join("           -" if rate[name] is None else f"{rate[name]:12.2f}" for name in names))
+        lines.append(
+            f"{rate['pair']:9}{rate['stabilisation']:14}{rate['cone']:13}{rate['mesh']:14}"
+            + "".join("           -" if rate[name] is None else f"{rate[name]:12.2f}" for name in names)
+        )
     return "\n".join(lines)
 
 

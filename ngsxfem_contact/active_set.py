@@ -13,7 +13,6 @@ import numpy as np
 
 from .errors import NotConverged
 
-
 ROUND_OFF = 1e-12
 
 

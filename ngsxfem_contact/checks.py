@@ -79,7 +79,9 @@ def Coercivity(problem):
     V, material, body = problem.V, problem.material, problem.body
     u, v = V.TnT()
     K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
-    K_gamma = to_scipy(BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body, problem.friction.components) * body.dcrack).Assemble().mat)
+    K_gamma = to_scipy(
+        BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body, problem.friction.components) * body.dcrack).Assemble().mat
+    )
     return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
 
 

@@ -43,8 +43,7 @@ class Elasticity(Isotropic):
             raise ValueError(f"Elasticity(lam={self.lam}, mu={self.mu}): both must be finite numbers")
         if self.mu <= 0 or self.lam + self.mu <= 0:
             raise ValueError(
-                f"Elasticity(lam={self.lam}, mu={self.mu}): the energy is positive only for mu > 0 and lam + mu > 0; "
-                "check the sign and the Poisson ratio"
+                f"Elasticity(lam={self.lam}, mu={self.mu}): the energy is positive only for mu > 0 and lam + mu > 0; check the sign and the Poisson ratio"
             )
 
     @staticmethod
@@ -84,7 +83,9 @@ class RegionElasticity(Isotropic):
         matches = {region: [name for name in materials if re.fullmatch(name, region)] for region in names}
         for region, found in matches.items():
             if len(found) != 1:
-                raise ValueError(f"Elasticity.ByRegion: region {region!r} of the mesh is matched by {found or 'no name'}; give it exactly one material of {sorted(materials)}")
+                raise ValueError(
+                    f"Elasticity.ByRegion: region {region!r} of the mesh is matched by {found or 'no name'}; give it exactly one material of {sorted(materials)}"
+                )
         unused = set(materials) - {name for found in matches.values() for name in found}
         if unused:
             raise ValueError(f"Elasticity.ByRegion: {sorted(unused)} match no region; the mesh has {sorted(set(names))}")

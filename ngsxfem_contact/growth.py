@@ -218,7 +218,9 @@ class CrackGrowth:
     def __str__(self):
         lines = ["step crack end          x         y   length       K_I      K_II   angle  advance     cycles  state"]
         for r in self.rows:
-            lines.append(f"{r.step:4} {r.crack:5} {r.end:5} {r.x:9.5f} {r.y:9.5f} {r.length:8.5f} {r.K_I:9.4g} {r.K_II:9.3g} {r.angle:7.2f} {r.advance:8.4g} {r.cycles:10.4g}  {r.state}")
+            lines.append(
+                f"{r.step:4} {r.crack:5} {r.end:5} {r.x:9.5f} {r.y:9.5f} {r.length:8.5f} {r.K_I:9.4g} {r.K_II:9.3g} {r.angle:7.2f} {r.advance:8.4g} {r.cycles:10.4g}  {r.state}"
+            )
         return "\n".join(lines)
 
     def SaveTable(self, path):

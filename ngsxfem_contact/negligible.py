@@ -5,8 +5,8 @@ from ngsolve import BitArray
 
 from .spaces import csr_view
 
-SLIVER = 1e-4    # of the energy of φ_i: only functions with less can be negligible
-BOUND = 1e-13    # of the energy of φ_i: what a negligible function adds to the span of the others
+SLIVER = 1e-4  # of the energy of φ_i: only functions with less can be negligible
+BOUND = 1e-13  # of the energy of φ_i: what a negligible function adds to the span of the others
 
 
 def without_negligible(matrix, V, free):

@@ -106,7 +106,9 @@ class CrackPoints:
             blocks.append(np.array(evaluator(V.GetFE(element), point)))
             columns.append(np.array(V.GetDofNrs(element)))
         pointers = np.concatenate([[0], np.cumsum([len(c) for c in columns])])
-        return [csr_matrix((np.concatenate([b[i] for b in blocks]), np.concatenate(columns), pointers), shape=(self.ndof, V.ndof)) for i in range(len(blocks[0]))]
+        return [
+            csr_matrix((np.concatenate([b[i] for b in blocks]), np.concatenate(columns), pointers), shape=(self.ndof, V.ndof)) for i in range(len(blocks[0]))
+        ]
 
 
 def rule(nodes, tips, number):

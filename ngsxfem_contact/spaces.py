@@ -50,7 +50,9 @@ class TipEnrichment:
         radius, limit = largest_disk(body, tip, self.material if modes else None)
         r1 = 0.9 * radius if self.r1 is None else self.r1
         if radius < tip.clearance and not 0 < r1 <= (1 + 1e-10) * radius:
-            raise ValueError(f"TipEnrichment: the disk r1 = {r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}) reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or tip=None")
+            raise ValueError(
+                f"TipEnrichment: the disk r1 = {r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}) reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or tip=None"
+            )
         r0 = r1 / 50 if self.r0 is None else self.r0
         basis = core.TipBasis.modes if modes else core.TipBasis.branch
         here = self.material.At(body.mesh, tip.point) if modes else None
@@ -135,9 +137,7 @@ class TraceSpace(core.TraceSpace):
             function.vec[j] = 1
             values[:, j] = function(points).ravel()
         if values.shape[0] != values.shape[1]:
-            raise ValueError(
-                f"TraceSpace: {values.shape[1]} independent traces for {values.shape[0]} nodes, so nodal signs do not fit; use basis='nodal'"
-            )
+            raise ValueError(f"TraceSpace: {values.shape[1]} independent traces for {values.shape[0]} nodes, so nodal signs do not fit; use basis='nodal'")
         return values
 
 

@@ -274,7 +274,24 @@ def write_records(path, records):
 
 def write_csv(path, records):
     """The convergence records as a table."""
-    columns = ["mesh", "h", "realisation", "pair", "stabilisation", "cone", "L2", "H1", "energy", "multiplier", "norm", "energy_to_fitted", "force_to_fitted", "iterations", "oscillation", "reason"]
+    columns = [
+        "mesh",
+        "h",
+        "realisation",
+        "pair",
+        "stabilisation",
+        "cone",
+        "L2",
+        "H1",
+        "energy",
+        "multiplier",
+        "norm",
+        "energy_to_fitted",
+        "force_to_fitted",
+        "iterations",
+        "oscillation",
+        "reason",
+    ]
 
     def write(temporary):
         with open(temporary, "w", newline="", encoding="utf-8") as file:

@@ -6,7 +6,15 @@ import pytest
 from ngsolve import CF, VERTEX, NodeId, SetNumThreads, x
 
 from ngsxfem_contact import (
-    BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, SingularSystem, TipEnrichment, TraceSpace,
+    BarbosaHughes,
+    ContactProblem,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    Elasticity,
+    SingularSystem,
+    TipEnrichment,
+    TraceSpace,
 )  # fmt: skip
 from ngsxfem_contact.closed_forms import rotated_square
 from ngsxfem_contact.paper import unstructured_mesh

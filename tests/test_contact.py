@@ -14,8 +14,21 @@ from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, IfPos, InnerPr
 from scipy.linalg import eigh
 
 from ngsxfem_contact import (
-    BarbosaHughes, Coercivity, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, InfSup, Jump, NotCoercive, NotConverged,
-    SingularSystem, Strain, TipEnrichment, TraceSpace,
+    BarbosaHughes,
+    Coercivity,
+    ContactProblem,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    Elasticity,
+    InfSup,
+    Jump,
+    NotCoercive,
+    NotConverged,
+    SingularSystem,
+    Strain,
+    TipEnrichment,
+    TraceSpace,
 )  # fmt: skip
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact.active_set import descend, solve_active_set

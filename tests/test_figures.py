@@ -55,7 +55,9 @@ def study(spread=0.15, realisations=5):
     records = [run(*key, stabilisation, noise) for stabilisation in ("none", "larger") for key in runs] + [REFERENCE]
     for pair, limit in (("P1/P0", 0.14), ("P1/P1", 0.12), ("P2/P1", 0.03)):
         records += gamma0_runs(pair, limit, noise=noise)
-    records += [{"kind": "infsup", "pair": p, "h": h, "realisation": k, "value": 1e-9 if p == "P1/P1" and h < 0.05 else 0.2 * h**0.05 * noise()} for p, h, k in runs]
+    records += [
+        {"kind": "infsup", "pair": p, "h": h, "realisation": k, "value": 1e-9 if p == "P1/P1" and h < 0.05 else 0.2 * h**0.05 * noise()} for p, h, k in runs
+    ]
     return [json.loads(json.dumps(record)) for record in records]
 
 

@@ -5,12 +5,23 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers import rectangle
-from netgen.meshing import MeshingParameters
 from netgen.geom2d import SplineGeometry
+from netgen.meshing import MeshingParameters
 from ngsolve import CF, Grad, InnerProduct, LinearForm, Mesh, x, y
 
 from ngsxfem_contact import (
-    ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, InteractionIntegral, LoadSteps, Minus, Plus, TipEnrichment, TraceSpace, Tresca,
+    ContactProblem,
+    Coulomb,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    InteractionIntegral,
+    LoadSteps,
+    Minus,
+    Plus,
+    TipEnrichment,
+    TraceSpace,
+    Tresca,
 )
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact import fracture_solutions as fs
@@ -143,8 +154,10 @@ PLATES = {
 }
 
 
-@pytest.mark.parametrize("name, maxh, pair, tolerance", [("Griffith", 0.03, "P2/P1", 0.005), ("tension", 0.03, "P2/P1", 0.005),
-                                                          ("compression", 0.03, "P2/P1", 0.005), ("tension", 0.02, "P1/P1", 0.03)])
+@pytest.mark.parametrize(
+    "name, maxh, pair, tolerance",
+    [("Griffith", 0.03, "P2/P1", 0.005), ("tension", 0.03, "P2/P1", 0.005), ("compression", 0.03, "P2/P1", 0.005), ("tension", 0.02, "P1/P1", 0.03)],
+)
 def test_infinite_plate(name, maxh, pair, tolerance):
     """Both tips. The issue's tolerances at a/h = 20 are reached in benchmarks/fracture.py; here a/h = 8 and 12."""
     plate = PLATES[name]
@@ -275,14 +288,17 @@ def test_energy_release_rate_is_the_derivative_of_the_potential_energy(load):
 # What is refused
 
 
-@pytest.mark.parametrize("options, message", [
-    (dict(tip=1), "there is no tip 1; body.tips has 1"),
-    (dict(method="virtual"), "method='virtual' is not one of"),
-    (dict(method="modes", radius=0.1), "radius=0.1 goes with method='interaction' only"),
-    (dict(radius=0.6), "radius 0.6 .* meets the boundary of the body at the distance 0.5"),
-    (dict(radius=0.01), "less than two elements"),
-    (dict(radius=-1), "choose a smaller radius|must be positive"),
-])
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        (dict(tip=1), "there is no tip 1; body.tips has 1"),
+        (dict(method="virtual"), "method='virtual' is not one of"),
+        (dict(method="modes", radius=0.1), "radius=0.1 goes with method='interaction' only"),
+        (dict(radius=0.6), "radius 0.6 .* meets the boundary of the body at the distance 0.5"),
+        (dict(radius=0.01), "less than two elements"),
+        (dict(radius=-1), "choose a smaller radius|must be positive"),
+    ],
+)
 def test_bad_arguments(options, message):
     with pytest.raises(ValueError, match=message):
         paper("A").StressIntensity(**options)

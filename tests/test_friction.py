@@ -8,12 +8,38 @@ from helpers import array, matrix
 from ngsolve import CF, BilinearForm, Id, IfPos, InnerProduct, Integrate, Parameter, SetNumThreads, Trace, sin, x, y
 
 from ngsxfem_contact import (
-    BarbosaHughes, Coercivity, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, FixedPoint, FullNewton, Jump,
-    NotCoercive, NotConverged, Slip, Strain, TipEnrichment, TraceSpace, Tresca,
+    BarbosaHughes,
+    Coercivity,
+    ContactProblem,
+    Coulomb,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    Elasticity,
+    FixedPoint,
+    FullNewton,
+    Jump,
+    NotCoercive,
+    NotConverged,
+    Slip,
+    Strain,
+    TipEnrichment,
+    TraceSpace,
+    Tresca,
 )  # fmt: skip
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact.nodal_newton import (
-    FREE, SLIP_MINUS, SLIP_PLUS, STICK, States, Threshold, first_states, least_index, solve_states, uniqueness_number, violation,
+    FREE,
+    SLIP_MINUS,
+    SLIP_PLUS,
+    STICK,
+    States,
+    Threshold,
+    first_states,
+    least_index,
+    solve_states,
+    uniqueness_number,
+    violation,
 )  # fmt: skip
 from ngsxfem_contact.paper import BODY_FORCE, FRICTION_REFERENCE, PAIRS, TRACTION, paper_problem, unstructured_mesh
 from ngsxfem_contact.solver import ReducedProblem

@@ -8,7 +8,19 @@ import pytest
 from helpers import rectangle
 from ngsolve import CF, x
 
-from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, CrackGrowth, GivenIncrement, MaximumHoopStress, Paris, TipEnrichment, TraceSpace, WingCracks
+from ngsxfem_contact import (
+    ContactProblem,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    CrackGrowth,
+    GivenIncrement,
+    MaximumHoopStress,
+    Paris,
+    TipEnrichment,
+    TraceSpace,
+    WingCracks,
+)
 from ngsxfem_contact import fracture_solutions as fs
 from ngsxfem_contact.growth import extended, is_closed
 from ngsxfem_contact.paper import MATERIAL
@@ -187,12 +199,15 @@ def test_a_solve_that_fails_raises_and_keeps_the_table():
     assert len(growth.table) == 1
 
 
-@pytest.mark.parametrize("make, message", [
-    (lambda: GivenIncrement(0), "da=0 must be positive"),
-    (lambda: Paris(C=-1, m=3, da=0.1), "C=-1 must be positive"),
-    (lambda: Paris(C=1, m=3, da=0.1, ratio=1), "ratio=1 must be at least 0 and less than 1"),
-    (lambda: CrackGrowth(pulled, EDGE, GivenIncrement(0.1), toughness=-1), "toughness=-1 must be"),
-])
+@pytest.mark.parametrize(
+    "make, message",
+    [
+        (lambda: GivenIncrement(0), "da=0 must be positive"),
+        (lambda: Paris(C=-1, m=3, da=0.1), "C=-1 must be positive"),
+        (lambda: Paris(C=1, m=3, da=0.1, ratio=1), "ratio=1 must be at least 0 and less than 1"),
+        (lambda: CrackGrowth(pulled, EDGE, GivenIncrement(0.1), toughness=-1), "toughness=-1 must be"),
+    ],
+)
 def test_bad_arguments(make, message):
     with pytest.raises(ValueError, match=message):
         make()

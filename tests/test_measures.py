@@ -5,7 +5,21 @@ import numpy as np
 import pytest
 from helpers import array, matrix, random_function, rectangle, structured, vector
 from ngsolve import (
-    CF, H1, BilinearForm, BitArray, Grad, InnerProduct, Integrate, LinearForm, Mesh, TaskManager, ds, dx, sin, x, y,
+    CF,
+    H1,
+    BilinearForm,
+    BitArray,
+    Grad,
+    InnerProduct,
+    Integrate,
+    LinearForm,
+    Mesh,
+    TaskManager,
+    ds,
+    dx,
+    sin,
+    x,
+    y,
 )  # fmt: skip
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, Side, TipEnrichment, TraceSpace, Variation

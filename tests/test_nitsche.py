@@ -6,8 +6,23 @@ from helpers import array, random_function
 from ngsolve import SetNumThreads
 
 from ngsxfem_contact import (
-    BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, NormalGap, NormalStress, NotCoercive,
-    Slip, Strain, TangentialStress, TipEnrichment, TraceSpace, Tresca,
+    BarbosaHughes,
+    ContactProblem,
+    Coulomb,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    Elasticity,
+    Nitsche,
+    NormalGap,
+    NormalStress,
+    NotCoercive,
+    Slip,
+    Strain,
+    TangentialStress,
+    TipEnrichment,
+    TraceSpace,
+    Tresca,
 )  # fmt: skip
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact.nitsche import CrackPoints, add_to, rule

@@ -10,8 +10,20 @@ from ngsolve import CF, BilinearForm, BitArray, Grad, InnerProduct, LinearForm, 
 from scipy.sparse import random_array, vstack
 
 from ngsxfem_contact import (
-    BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadCase, LoadSteps, NotCoercive, NotConverged, SingularSystem,
-    TipEnrichment, TraceSpace, pardiso,
+    BarbosaHughes,
+    ContactProblem,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    Elasticity,
+    LoadCase,
+    LoadSteps,
+    NotCoercive,
+    NotConverged,
+    SingularSystem,
+    TipEnrichment,
+    TraceSpace,
+    pardiso,
 )  # fmt: skip
 from ngsxfem_contact.active_set import coarse_start, solve_active_set
 from ngsxfem_contact.elimination import BackSubstitution, Elimination, PartialFactorisation, default_inverse

@@ -6,7 +6,19 @@ import numpy as np
 import pytest
 from helpers import array, basis_function, left_normal, matrix, on_crack, random_function, rectangle, structured, to_scipy, vector
 from ngsolve import (
-    CF, H1, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, TaskManager, VoxelCoefficient, x, y,
+    CF,
+    H1,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    IfPos,
+    InnerProduct,
+    Integrate,
+    LinearForm,
+    TaskManager,
+    VoxelCoefficient,
+    x,
+    y,
 )  # fmt: skip
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Gradient, Jump, Minus, Plus, Strain, TipEnrichment
@@ -293,7 +305,7 @@ def test_a_mouth_at_a_reentrant_corner_divides_only_along_the_crack():
     mesh = Mesh(geometry.GenerateMesh(maxh=0.3))
     V = CrackFESpace(CrackedMesh(mesh, Crack([(0, 0), (0.5, 0.4)])), order=1, tip=None)
     u = random_function(V)
-    angles = np.radians(np.arange(45, 268, 0.5))          # between the crack and the lower side of the corner
+    angles = np.radians(np.arange(45, 268, 0.5))  # between the crack and the lower side of the corner
     values = np.array([u(mesh(0.03 * np.cos(a), 0.03 * np.sin(a))) for a in angles])
     assert np.abs(np.diff(values, axis=0)).max() < 0.05
 

@@ -10,7 +10,6 @@ from ngsxfem_contact import BarbosaHughes, BothSides, NormalGap, NotCoercive
 from ngsxfem_contact.paper import MATERIAL, paper_problem
 from ngsxfem_contact.study import ErrorMeasure, Reference, Study, oscillation, read_records, reference_solution, structured_mesh
 
-
 SetNumThreads(1)  # these problems are too small to gain from threads
 
 
