@@ -30,12 +30,12 @@ namespace ngsxfem_contact
     ngcore::FlatArray<HeavisideFunction> heaviside;
     ngcore::FlatArray<const TipFunctions*> tips;
     const CrackedMesh & body;
-    const ElementLocation * location;
+    const CutElement * cut;             // nullptr: no crack meets the element, or nothing jumps in it
 
   public:
     CrackFiniteElement (const BaseScalarFiniteElement & ascalar, ngcore::FlatArray<HeavisideFunction> aheaviside,
-                        ngcore::FlatArray<const TipFunctions*> atips, const CrackedMesh & abody, const ElementLocation * alocation)
-      : FiniteElement(0, ascalar.Order()), scalar(ascalar), heaviside(aheaviside), tips(atips), body(abody), location(alocation)
+                        ngcore::FlatArray<const TipFunctions*> atips, const CrackedMesh & abody, const CutElement * acut)
+      : FiniteElement(0, ascalar.Order()), scalar(ascalar), heaviside(aheaviside), tips(atips), body(abody), cut(acut)
     {
       ndof = 2*NumScalar() + NumTip();
     }
@@ -56,35 +56,40 @@ namespace ngsxfem_contact
     ngcore::FlatArray<HeavisideFunction> Heaviside() const { return heaviside; }
     ngcore::FlatArray<const TipFunctions*> Tips() const { return tips; }
 
+    /// Whether points on Γ_C lie on different cracks.
+    bool IsShared () const { return cut && cut->IsShared(); }
+
     /// Whether all functions are multiples of φ_i on this element.
     bool IsPolynomial (Trace trace) const
     {
-      if (tips.Size()) return false;
+      if (tips.Size() || IsShared()) return false;
       if (trace == Trace::Position)
         for (auto & function : heaviside)
           if (function.side == 0) return false;
       return true;
     }
 
-    /// The factor of φ_i at x; needs no x if IsPolynomial.
+    /// The factor of φ_i at x; needs no x if IsPolynomial. On one crack the functions of another have no limits of their own.
     double HeavisideFactor (const HeavisideFunction & function, Trace trace, Point x) const
     {
       if (function.side) return trace == Trace::Jump ? 0 : function.Value(function.side);
-      switch (trace)
-        {
-        case Trace::Position: return function.Value(int(body.GetCrack(function.crack).SideOf(x)));
-        case Trace::Jump: return function.Value(1) - function.Value(-1);
-        default: return function.Value(ForcedSide(trace));
-        }
+      bool elsewhere = IsShared() && cut->CrackAt(body.Cracks(), x).crack != function.crack;
+      if (trace == Trace::Jump) return elsewhere ? 0 : function.Value(1) - function.Value(-1);
+      bool by_position = trace == Trace::Position || elsewhere;
+      return function.Value(by_position ? int(body.Cracks()[function.crack].SideOf(x)) : ForcedSide(trace, function.crack));
     }
 
-    int ForcedSide (Trace trace) const
+    int ForcedSide (Trace trace, size_t crack) const
     {
       switch (trace)
         {
         case Trace::Plus: return 1;
         case Trace::Minus: return -1;
-        case Trace::Larger: return location ? int(location->Larger()) : 0;
+        case Trace::Larger:
+          {
+            auto here = cut ? cut->Find(crack) : nullptr;
+            return here ? int(here->larger) : 0;
+          }
         default: return 0;
         }
     }
@@ -97,7 +102,7 @@ namespace ngsxfem_contact
       size_t dof = 2*NumScalar();
       for (auto tip : tips)
         {
-          tip->Evaluate(x, trace == Trace::Jump ? 1 : ForcedSide(trace), values);
+          tip->Evaluate(x, trace == Trace::Jump ? 1 : ForcedSide(trace, tip->Crack()), values);
           if (trace == Trace::Jump)
             {
               tip->Evaluate(x, -1, minus);

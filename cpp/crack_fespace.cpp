@@ -46,7 +46,7 @@ namespace ngsxfem_contact
           if (spec->r1 > (1+1e-10)*tip.clearance)
             throw Exception("CrackFESpace: the disk r1 = " + ngcore::ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
                             + tip.limit + ", at " + ngcore::ToString(tip.clearance) + "; choose r1 below that");
-          tips[i].emplace(tip.curve, tip.plus_sign, *spec);
+          tips[i].emplace(tip.crack, tip.curve, tip.plus_sign, *spec);
           body->RequireTipQuadrature(i, { spec->r0, spec->r1 }, spec->cutoff == CutOff::Cubic ? 1 : 2, tolerance);
         }
   }

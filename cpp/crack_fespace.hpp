@@ -65,6 +65,7 @@ namespace ngsxfem_contact
     DofId HeavisideDof (size_t j, int component) const;
     /// The number of φ_i, and s_i, of the j-th Heaviside function.
     std::pair<DofId, int> Heaviside (size_t j) const { return { At(j).dof, SupportOf(j).shift }; }
+    size_t HeavisideCrack (size_t j) const { return SupportOf(j).crack; }
     /// Of an element in the support: +1, -1, or 0 if the crack divides it or runs along it.
     int HeavisideSide (size_t j, size_t element) const;
     std::vector<DofId> TipDofs (size_t tip) const;

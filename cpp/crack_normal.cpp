@@ -1,4 +1,5 @@
 #include "crack_normal.hpp"
+#include <algorithm>
 
 namespace ngsxfem_contact
 {
@@ -9,12 +10,10 @@ namespace ngsxfem_contact
 
   Point CrackFrame :: At (size_t element, Point x) const
   {
-    size_t crack = 0;
-    if (body->Find(element)) crack = body->CrackOf(element);
-    else
-      for (size_t c = 1; c < body->NumCracks(); c++)
-        if (body->GetCrack(c).Nearest(x).distance < body->GetCrack(crack).Nearest(x).distance) crack = c;
-    auto & curve = body->GetCrack(crack);
+    auto & cracks = body->Cracks();
+    auto distance = [&] (auto & crack) { return crack.Nearest(x).distance; };
+    auto cut = body->Find(element);
+    auto & curve = cut ? cracks[cut->CrackAt(cracks, x).crack] : *std::ranges::min_element(cracks, {}, distance);
     auto nearest = curve.Nearest(x);
     return tangent ? curve.Tangent(nearest.segment, nearest.s) : curve.Normal(nearest.segment, nearest.s);
   }

@@ -21,6 +21,7 @@ namespace ngsxfem_contact
     for (auto & crack : cracks)
       locations.emplace_back(*mesh, crack);
     CheckDistinct();
+    FindCutElements();
     FindTips();
   }
 
@@ -37,19 +38,23 @@ namespace ngsxfem_contact
       throw Exception("CrackedMesh: the mesh has changed since the cracks were located in it; build a new CrackedMesh after refinement");
   }
 
-  void CrackedMesh :: CheckDistinct ()
+  void CrackedMesh :: CheckDistinct () const
   {
     for (size_t c = 0; c < cracks.size(); c++)
       for (size_t d = c+1; d < cracks.size(); d++)
         if (auto [distance, place] = Distance(cracks[c], cracks[d]); distance <= locations[c].Tolerance())
           throw Exception("CrackedMesh: cracks " + std::to_string(c) + " and " + std::to_string(d) + " meet near "
                           + ToString(place) + "; crossing and branching are not supported: separate them");
+  }
+
+  void CrackedMesh :: FindCutElements ()
+  {
+    std::map<size_t, std::vector<ElementCrack>> meetings;
     for (size_t c = 0; c < cracks.size(); c++)
       for (auto & location : locations[c].Elements())
-        if (auto [it, is_new] = crack_of_element.insert({ location.element, c }); !is_new)
-          throw Exception("CrackedMesh: cracks " + std::to_string(it->second) + " and " + std::to_string(c)
-                          + " meet the same element near " + ToString(location.triangle[0])
-                          + "; refine the mesh there, or join or separate the cracks (crossing and branching are not supported)");
+        meetings[location.element].push_back({ c, &location, Side::Plus });
+    for (auto & [element, meeting] : meetings)
+      cut_elements.emplace(element, CutElement(cracks, std::move(meeting)));
   }
 
   void CrackedMesh :: FindTips ()
@@ -108,10 +113,10 @@ namespace ngsxfem_contact
         }
   }
 
-  const ElementLocation * CrackedMesh :: Find (size_t element) const
+  const CutElement * CrackedMesh :: Find (size_t element) const
   {
-    auto it = crack_of_element.find(element);
-    return it == crack_of_element.end() ? nullptr : locations[it->second].Find(element);
+    auto it = cut_elements.find(element);
+    return it == cut_elements.end() ? nullptr : &it->second;
   }
 
   shared_ptr<ngcore::BitArray> CrackedMesh :: CrackElements (std::optional<size_t> crack) const
@@ -119,8 +124,8 @@ namespace ngsxfem_contact
     if (crack) Checked(*crack);
     auto elements = make_shared<ngcore::BitArray>(mesh->GetNE(VOL));
     elements->Clear();
-    for (auto [element, c] : crack_of_element)
-      if (!crack || *crack == c) elements->SetBit(element);
+    for (auto & [element, cut] : cut_elements)
+      if (!crack || cut.Find(*crack)) elements->SetBit(element);
     return elements;
   }
 
@@ -136,16 +141,16 @@ namespace ngsxfem_contact
     rule_version++;
   }
 
-  shared_ptr<const RuleTable> CrackedMesh :: Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes) const
+  shared_ptr<const RuleTable> CrackedMesh :: Rules (const RuleKind & kind, VorB vb, int order) const
   {
     CheckMesh();
     std::lock_guard guard(rule_mutex);
-    auto & table = rule_tables[RuleKey(domain, vb, order, nodes)];
+    auto & table = rule_tables[{ kind, vb, order }];
     if (!table)
       {
         if (vb == BND) table = MakeBoundaryTable(order);
-        else if (domain == Domain::Crack) table = MakeCrackTable(order, nodes);
-        else table = MakeVolumeTable(domain, order);
+        else if (kind.domain == Domain::Crack) table = MakeCrackTable(kind, order);
+        else table = MakeVolumeTable(kind, order);
       }
     return table;
   }
@@ -217,33 +222,41 @@ namespace ngsxfem_contact
     return std::make_unique<ElementRule>(std::move(ir));
   }
 
-  std::unique_ptr<ElementRule> CrackedMesh :: MakeVolumeRule (Domain domain, size_t element, int order) const
+  void CrackedMesh :: AppendPiece (const ElementPart & part, int order, PointRule & rule) const
   {
-    auto location = Find(element);
+    if (part.piece.curved) AppendCurvedPart(part.piece, cracks[part.crack], order, rule);
+    else AppendPart(part.piece.triangle, order, rule);
+  }
+
+  std::unique_ptr<ElementRule> CrackedMesh :: MakeVolumeRule (const RuleKind & kind, size_t element, int order) const
+  {
     auto t = VerticesOf(*mesh, element);
     PointRule points;
-    if (location)
+    if (auto cut = Find(element))
       {
-        for (auto & piece : location->pieces)
-          if (domain == Domain::Bulk || piece.side == location->Larger())
-            {
-              if (piece.curved) AppendCurvedPart(piece, cracks[CrackOf(element)], order, points);
-              else AppendPart(piece.triangle, order, points);
-            }
+        auto belongs = [&] (const ElementPart & part)
+        {
+          if (kind.domain == Domain::Bulk) return true;
+          for (size_t k = 0; k < cut->cracks.size(); k++)
+            if (part.larger[k] && (!kind.crack || cut->cracks[k].crack == *kind.crack)) return true;
+          return false;
+        };
+        for (auto & part : cut->parts)
+          if (belongs(part)) AppendPiece(part, order, points);
       }
     else
       AppendPart(t, order, points);
     return MakeRule(points, t);
   }
 
-  shared_ptr<RuleTable> CrackedMesh :: MakeVolumeTable (Domain domain, int order) const
+  shared_ptr<RuleTable> CrackedMesh :: MakeVolumeTable (const RuleKind & kind, int order) const
   {
     auto table = make_shared<RuleTable>(mesh->GetNE(VOL));
     for (size_t element = 0; element < mesh->GetNE(VOL); element++)
       {
-        if (crack_of_element.count(element))
+        if (cut_elements.count(element))
           {
-            table->Add(element, MakeVolumeRule(domain, element, order));
+            table->Add(element, MakeVolumeRule(kind, element, order));
             continue;
           }
         auto t = VerticesOf(*mesh, element);
@@ -252,15 +265,14 @@ namespace ngsxfem_contact
         if (auto gauss = GaussOrder(t, order, *near[0]); gauss && near.size() == 1)
           table->AddGauss(element, *gauss);
         else
-          table->Add(element, MakeVolumeRule(domain, element, order));
+          table->Add(element, MakeVolumeRule(kind, element, order));
       }
     return table;
   }
 
-  std::unique_ptr<ElementRule> CrackedMesh :: MakeCrackRule (const ElementLocation & location, const Crack & crack, int order,
-                                                             const std::vector<double> & nodes) const
+  void CrackedMesh :: AppendCrack (const ElementLocation & location, const Crack & crack, int order,
+                                   const std::vector<double> & nodes, PointRule & rule) const
   {
-    PointRule points;
     auto near = TipsNear(location.triangle);
     double tolerance = geometric_tolerance*location.h;
     for (auto & chord : location.chords)
@@ -277,40 +289,48 @@ namespace ngsxfem_contact
             auto nearest = std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
             { return Norm(Point(p->tip-middle)) < Norm(Point(q->tip-middle)); });
             auto tip = nearest == near.end() ? nullptr : *nearest;
-            if (crack.IsStraight(chord.segment)) AppendSegment(a, b, order, tip, location.h, points);
-            else AppendCurve(crack, { chord.segment, cuts[i], cuts[i+1] }, order, tip, location.h, points);
+            if (crack.IsStraight(chord.segment)) AppendSegment(a, b, order, tip, location.h, rule);
+            else AppendCurve(crack, { chord.segment, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
           }
       }
-    return MakeRule(points, location.triangle);
   }
 
-  shared_ptr<RuleTable> CrackedMesh :: MakeCrackTable (int order, const CrackNodes & nodes) const
+  shared_ptr<RuleTable> CrackedMesh :: MakeCrackTable (const RuleKind & kind, int order) const
   {
     auto table = make_shared<RuleTable>(mesh->GetNE(VOL));
-    for (size_t c = 0; c < cracks.size(); c++)
-      for (auto & location : locations[c].Elements())
-        table->Add(location.element, MakeCrackRule(location, cracks[c], order, c < nodes.size() ? nodes[c] : std::vector<double>()));
+    for (auto & [element, cut] : cut_elements)
+      {
+        PointRule points;
+        for (auto & here : cut.cracks)
+          if (!kind.crack || *kind.crack == here.crack)
+            AppendCrack(*here.location, cracks[here.crack], order, here.crack < kind.nodes.size() ? kind.nodes[here.crack] : std::vector<double>(), points);
+        table->Add(element, MakeRule(points, cut.cracks[0].location->triangle));
+      }
     return table;
   }
 
-  std::unique_ptr<ElementRule> CrackedMesh :: MakeBoundaryRule (const CutBoundaryEdge & edge, int order) const
+  std::unique_ptr<ElementRule> CrackedMesh :: MakeBoundaryRule (const std::vector<CutBoundaryEdge> & crossings, int order) const
   {
-    double t = Norm(Point(edge.crossing-edge.a)) / Norm(Point(edge.b-edge.a));
-    IntegrationRule ir;
+    auto & [element, a, b, first] = crossings[0];
     // the reference segment runs from the second vertex (0) to the first (1)
-    for (auto [lo, hi] : { std::pair(0.0, 1-t), std::pair(1-t, 1.0) })
+    std::vector<double> cuts { 0, 1 };
+    for (auto & edge : crossings) cuts.push_back(1 - Norm(Point(edge.crossing-a)) / Norm(Point(b-a)));
+    std::sort(cuts.begin(), cuts.end());
+    IntegrationRule ir;
+    for (size_t i = 0; i+1 < cuts.size(); i++)
       for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, order))
-        ir.Append(IntegrationPoint(lo+(hi-lo)*ip(0), 0, 0, (hi-lo)*ip.Weight()));
+        ir.Append(IntegrationPoint(cuts[i]+(cuts[i+1]-cuts[i])*ip(0), 0, 0, (cuts[i+1]-cuts[i])*ip.Weight()));
     ir.SetDim(1);
     return std::make_unique<ElementRule>(std::move(ir));
   }
 
   shared_ptr<RuleTable> CrackedMesh :: MakeBoundaryTable (int order) const
   {
-    auto table = make_shared<RuleTable>(mesh->GetNE(BND));
+    std::map<size_t, std::vector<CutBoundaryEdge>> crossings;
     for (auto & location : locations)
-      for (auto & [element, edge] : location.BoundaryEdges())
-        table->Add(element, MakeBoundaryRule(edge, order));
+      for (auto & [element, edge] : location.BoundaryEdges()) crossings[element].push_back(edge);
+    auto table = make_shared<RuleTable>(mesh->GetNE(BND));
+    for (auto & [element, edges] : crossings) table->Add(element, MakeBoundaryRule(edges, order));
     return table;
   }
 }

@@ -2,7 +2,7 @@
 // A mesh with its cracks: where they lie, their tips, and the integration rules of its measures.
 
 #include "curved_rule.hpp"
-#include "element_location.hpp"
+#include "cut_element.hpp"
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -17,6 +17,16 @@ namespace ngsxfem_contact
 
   /// Arc lengths of points on each crack.
   using CrackNodes = std::vector<std::vector<double>>;
+
+  /// Which rules an integral needs. nodes: where those on Γ_C are divided, beside the mesh edges and kinks. crack: on Γ_C and
+  /// on the larger parts of one crack only.
+  struct RuleKind
+  {
+    Domain domain = Domain::Bulk;
+    CrackNodes nodes;
+    std::optional<size_t> crack;
+    auto operator<=> (const RuleKind &) const = default;
+  };
 
   struct Tip
   {
@@ -61,15 +71,14 @@ namespace ngsxfem_contact
     std::vector<CrackLocation> locations;
     std::vector<Tip> tips;
     std::vector<std::optional<TipQuadrature>> tip_quadrature;    // set by the spaces that have functions there
-    std::map<size_t, size_t> crack_of_element;
+    std::map<size_t, CutElement> cut_elements;
 
-    using RuleKey = std::tuple<Domain, VorB, int, CrackNodes>;
-    mutable std::map<RuleKey, shared_ptr<const RuleTable>> rule_tables;
+    mutable std::map<std::tuple<RuleKind, VorB, int>, shared_ptr<const RuleTable>> rule_tables;
     mutable std::mutex rule_mutex;
     std::atomic<size_t> rule_version = 0;
 
   public:
-    /// Throws for what Crack and CrackLocation refuse, and for two cracks that share an element.
+    /// Throws for what Crack, CrackLocation and CutElement refuse, and for cracks that meet.
     CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
 
     shared_ptr<MeshAccess> GetMesh() const { return mesh; }
@@ -79,38 +88,39 @@ namespace ngsxfem_contact
     /// These throw for a number that is not below NumCracks().
     const Crack & GetCrack (size_t i) const { return cracks[Checked(i)]; }
     const CrackLocation & Location (size_t i) const { return locations[Checked(i)]; }
+    const std::vector<Crack> & Cracks() const { return cracks; }
     const std::vector<Tip> & Tips() const { return tips; }
 
-    /// The location of an element that a crack crosses, ends in, or runs along; nullptr elsewhere.
-    const ElementLocation * Find (size_t element) const;
-    /// The crack of such an element.
-    size_t CrackOf (size_t element) const { return crack_of_element.at(element); }
+    /// An element that a crack crosses, ends in, or runs along; nullptr elsewhere.
+    const CutElement * Find (size_t element) const;
     /// Elements that carry a part of Γ_C (of one crack, or of all of them).
     shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const;
 
     /// Asks for rules that integrate singular functions at a tip; rules that were made before are made again.
     void RequireTipQuadrature (size_t tip, std::set<double> breaks, int smoothness, double tolerance);
 
-    /// The table for rules of the given order; nodes: where the rules on Γ_C are divided, beside the mesh edges and kinks.
-    shared_ptr<const RuleTable> Rules (Domain domain, VorB vb, int order, const CrackNodes & nodes = {}) const;
+    /// The table for rules of the given order.
+    shared_ptr<const RuleTable> Rules (const RuleKind & kind, VorB vb, int order) const;
     /// Changes when rules that were made before are no longer right.
     size_t RuleVersion () const { return rule_version; }
 
   private:
     size_t Checked (size_t crack) const;
-    void CheckDistinct ();
+    void CheckDistinct () const;
+    void FindCutElements ();
     void FindTips ();
     void SetClearance (Tip & tip) const;
     void LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
     std::vector<const TipQuadrature*> TipsNear (const Triangle & t) const;
     void AppendPart (const Triangle & part, int order, PointRule & rule) const;
     void AppendCurvedPart (const Piece & piece, const Crack & crack, int order, PointRule & rule, int depth = 3) const;
+    void AppendPiece (const ElementPart & part, int order, PointRule & rule) const;
     std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const Triangle & t) const;
-    std::unique_ptr<ElementRule> MakeVolumeRule (Domain domain, size_t element, int order) const;
-    std::unique_ptr<ElementRule> MakeCrackRule (const ElementLocation & location, const Crack & crack, int order, const std::vector<double> & nodes) const;
-    std::unique_ptr<ElementRule> MakeBoundaryRule (const CutBoundaryEdge & edge, int order) const;
-    shared_ptr<RuleTable> MakeVolumeTable (Domain domain, int order) const;
-    shared_ptr<RuleTable> MakeCrackTable (int order, const CrackNodes & nodes) const;
+    std::unique_ptr<ElementRule> MakeVolumeRule (const RuleKind & kind, size_t element, int order) const;
+    void AppendCrack (const ElementLocation & location, const Crack & crack, int order, const std::vector<double> & nodes, PointRule & rule) const;
+    std::unique_ptr<ElementRule> MakeBoundaryRule (const std::vector<CutBoundaryEdge> & crossings, int order) const;
+    shared_ptr<RuleTable> MakeVolumeTable (const RuleKind & kind, int order) const;
+    shared_ptr<RuleTable> MakeCrackTable (const RuleKind & kind, int order) const;
     shared_ptr<RuleTable> MakeBoundaryTable (int order) const;
   };
 }

@@ -9,14 +9,12 @@ namespace ngsxfem_contact
 {
   using ngfem::CoefficientFunction;
 
-  /// Which rules an integral uses.
   struct Measure
   {
     shared_ptr<CrackedMesh> body;
-    Domain domain = Domain::Bulk;
-    CrackNodes nodes;
+    RuleKind kind;
 
-    shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return body->Rules(domain, vb, order, nodes); }
+    shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return body->Rules(kind, vb, order); }
   };
 
   class CutDifferentialSymbol : public ngfem::DifferentialSymbol

@@ -40,7 +40,7 @@ namespace ngsxfem_contact
 
     SIMD<double> Factor (const CrackFiniteElement & fel, const HeavisideFunction & function, Trace trace, Vec<2,SIMD<double>> x)
     {
-      if (function.side || trace != Trace::Position)
+      if (function.side || (trace != Trace::Position && !fel.IsShared()))
         return fel.HeavisideFactor(function, trace, Point(0,0));
       return SIMD<double>([&] (int lane) { return fel.HeavisideFactor(function, trace, Point(x(0)[lane], x(1)[lane])); });
     }

@@ -22,6 +22,7 @@ namespace ngsxfem_contact
 
   class TipFunctions
   {
+    size_t crack;
     TipCurve curve;                               // the crack lies on θ = ±π
     Point tip, ahead, left;                       // the tip's frame
     int plus_sign;                                // the sign of θ on the crack's plus side
@@ -30,9 +31,10 @@ namespace ngsxfem_contact
   public:
     static constexpr int max_functions = 8;
 
-    TipFunctions (TipCurve acurve, int aplus_sign, TipSpec aspec)
-      : curve(std::move(acurve)), tip(curve.Tip()), ahead(curve.Ahead()), left(Left(ahead)), plus_sign(aplus_sign), spec(aspec) { }
+    TipFunctions (size_t acrack, TipCurve acurve, int aplus_sign, TipSpec aspec)
+      : crack(acrack), curve(std::move(acurve)), tip(curve.Tip()), ahead(curve.Ahead()), left(Left(ahead)), plus_sign(aplus_sign), spec(aspec) { }
 
+    size_t Crack() const { return crack; }
     const TipSpec & Spec() const { return spec; }
     Point Tip() const { return tip; }
     int Size() const { return spec.basis == TipBasis::Modes ? 2 : 8; }

@@ -91,6 +91,38 @@ namespace ngsxfem_contact
       }
     };
 
+    /// The functions of each crack of an element, zero on the others.
+    class SharedTraceElement : public TraceElement
+    {
+      const std::vector<Crack> & cracks;
+      const CutElement & cut;
+      FlatArray<TraceElement*> parts;
+    public:
+      SharedTraceElement (const std::vector<Crack> & acracks, const CutElement & acut, FlatArray<TraceElement*> aparts)
+        : TraceElement(0, aparts[0]->Order()), cracks(acracks), cut(acut), parts(aparts)
+      { for (auto part : parts) ndof += part->GetNDof(); }
+
+      void CalcShape (const IntegrationPoint & ip, Point x, BareSliceVector<> shape) const override
+      {
+        shape.Range(0, ndof) = 0;
+        auto & on = cut.CrackAt(cracks, x);
+        size_t first = 0;
+        for (size_t k = 0; &cut.cracks[k] != &on; k++) first += parts[k]->GetNDof();
+        parts[&on - cut.cracks.data()]->CalcShape(ip, x, shape + first);
+      }
+    };
+
+    /// The element that `make` gives for each crack.
+    template <typename F>
+    FiniteElement & MakeElement (const CrackedMesh & body, size_t element, Allocator & alloc, F && make)
+    {
+      auto & cut = *body.Find(element);
+      if (!cut.IsShared()) return make(cut.cracks[0]);
+      FlatArray<TraceElement*> parts(cut.cracks.size(), static_cast<TraceElement**>(alloc.Alloc(cut.cracks.size()*sizeof(TraceElement*))));
+      for (size_t k = 0; k < cut.cracks.size(); k++) parts[k] = &make(cut.cracks[k]);
+      return *new (alloc) SharedTraceElement (body.Cracks(), cut, parts);
+    }
+
     class TraceDiffOp : public DifferentialOperator
     {
     public:
@@ -183,33 +215,36 @@ namespace ngsxfem_contact
     return positions;
   }
 
-  /// First and last (excluded) interval that meets the element. Intervals are longer than 4 tolerances (MeshNodes), chords
-  /// longer than one; an end of a chord lies on a node or less than 4 tolerances behind it.
-  std::pair<size_t,size_t> NodalTraceBasis :: Intervals (size_t element) const
+  /// Intervals are longer than 4 tolerances (MeshNodes), chords longer than one; an end of a chord lies on a node or less than
+  /// 4 tolerances behind it.
+  std::pair<size_t,size_t> NodalTraceBasis :: Intervals (const ElementCrack & here) const
   {
-    auto location = body->Find(element);
-    size_t c = body->CrackOf(element);
-    double tolerance = body->Location(c).Tolerance();
-    auto & s = nodes[c];
-    size_t lo = std::upper_bound(s.begin(), s.end(), location->S0()+0.5*tolerance) - s.begin() - 1;
-    size_t hi = std::lower_bound(s.begin(), s.end(), location->S1()-4.001*tolerance) - s.begin();
+    double tolerance = body->Location(here.crack).Tolerance();
+    auto & s = nodes[here.crack];
+    size_t lo = std::upper_bound(s.begin(), s.end(), here.location->S0()+0.5*tolerance) - s.begin() - 1;
+    size_t hi = std::lower_bound(s.begin(), s.end(), here.location->S1()-4.001*tolerance) - s.begin();
     lo = std::min(lo, s.size()-2);
     return { lo, std::max(hi, lo+1) };
   }
 
   void NodalTraceBasis :: GetDofNrs (size_t element, Array<DofId> & dnums) const
   {
-    auto [lo, hi] = Intervals(element);
-    size_t offset = first[body->CrackOf(element)], n = order ? (hi-lo)*order+1 : hi-lo;
-    for (size_t i = 0; i < n; i++) dnums.Append(offset + (order ? lo*order : lo) + i);
+    for (auto & here : body->Find(element)->cracks)
+      {
+        auto [lo, hi] = Intervals(here);
+        size_t n = order ? (hi-lo)*order+1 : hi-lo;
+        for (size_t i = 0; i < n; i++) dnums.Append(first[here.crack] + (order ? lo*order : lo) + i);
+      }
   }
 
   FiniteElement & NodalTraceBasis :: GetFE (size_t element, Allocator & alloc) const
   {
-    auto [lo, hi] = Intervals(element);
-    size_t c = body->CrackOf(element);
-    return *new (alloc) NodalTraceElement (body->GetCrack(c), FlatArray<const double>(hi-lo+1, nodes[c].data()+lo),
-                                           FlatArray<const double>(lobatto.size(), lobatto.data()), order);
+    return MakeElement(*body, element, alloc, [&] (const ElementCrack & here) -> TraceElement &
+    {
+      auto [lo, hi] = Intervals(here);
+      return *new (alloc) NodalTraceElement (body->Cracks()[here.crack], FlatArray<const double>(hi-lo+1, nodes[here.crack].data()+lo),
+                                             FlatArray<const double>(lobatto.size(), lobatto.data()), order);
+    });
   }
 
   MeshTraceBasis :: MeshTraceBasis (shared_ptr<CrackedMesh> abody, int order, CrackNodes anodes, std::set<size_t> aleft_out)
@@ -220,37 +255,43 @@ namespace ngsxfem_contact
     scalar = CreateFESpace("h1ho", body->GetMesh(), flags);
     scalar->Update();
     scalar->FinalizeUpdate();
-    number.assign(scalar->GetNDof(), -1);
-    std::set<DofId> used;
+    number.assign(body->NumCracks(), std::vector<int>(scalar->GetNDof(), -1));
     Array<DofId> dofs;
-    for (size_t c = 0; c < body->NumCracks(); c++)
-      for (auto & location : body->Location(c).Elements())
-        {
-          scalar->GetDofNrs(ElementId(VOL, location.element), dofs);
-          for (auto dof : dofs) used.insert(dof);
-        }
     size_t candidate = 0;
-    for (auto dof : used)
-      if (!left_out.count(candidate++)) number[dof] = int(ndof++);
+    for (size_t c = 0; c < body->NumCracks(); c++)
+      {
+        std::set<DofId> used;
+        for (auto & location : body->Location(c).Elements())
+          {
+            scalar->GetDofNrs(ElementId(VOL, location.element), dofs);
+            for (auto dof : dofs) used.insert(dof);
+          }
+        for (auto dof : used)
+          if (!left_out.count(candidate++)) number[c][dof] = int(ndof++);
+      }
   }
 
   void MeshTraceBasis :: GetDofNrs (size_t element, Array<DofId> & dnums) const
   {
     ArrayMem<DofId, 50> dofs;
     scalar->GetDofNrs(ElementId(VOL, element), dofs);
-    for (auto dof : dofs)
-      if (number[dof] >= 0) dnums.Append(number[dof]);
+    for (auto & here : body->Find(element)->cracks)
+      for (auto dof : dofs)
+        if (int i = number[here.crack][dof]; i >= 0) dnums.Append(i);
   }
 
   FiniteElement & MeshTraceBasis :: GetFE (size_t element, Allocator & alloc) const
   {
     ArrayMem<DofId, 50> dofs;
     scalar->GetDofNrs(ElementId(VOL, element), dofs);
-    int n = 0, * local = static_cast<int*>(alloc.Alloc(dofs.Size()*sizeof(int)));
-    for (size_t i = 0; i < dofs.Size(); i++)
-      if (number[dofs[i]] >= 0) local[n++] = int(i);
     auto & fe = static_cast<BaseScalarFiniteElement&>(scalar->GetFE(ElementId(VOL, element), alloc));
-    return *new (alloc) MeshTraceElement (fe, FlatArray<int>(n, local));
+    return MakeElement(*body, element, alloc, [&] (const ElementCrack & here) -> TraceElement &
+    {
+      int n = 0, * local = static_cast<int*>(alloc.Alloc(dofs.Size()*sizeof(int)));
+      for (size_t i = 0; i < dofs.Size(); i++)
+        if (number[here.crack][dofs[i]] >= 0) local[n++] = int(i);
+      return *new (alloc) MeshTraceElement (fe, FlatArray<int>(n, local));
+    });
   }
 
   TraceSpace :: TraceSpace (shared_ptr<CrackedMesh> abody, shared_ptr<TraceBasis> abasis, const Flags & flags)
@@ -262,7 +303,7 @@ namespace ngsxfem_contact
 
   CutDifferentialSymbol TraceSpace :: CrackSymbol () const
   {
-    CutDifferentialSymbol dcrack(Measure { body, Domain::Crack, basis->Nodes() }, VOL);
+    CutDifferentialSymbol dcrack(Measure { body, { Domain::Crack, basis->Nodes(), std::nullopt } }, VOL);
     dcrack.definedonelements = body->CrackElements();
     return dcrack;
   }

@@ -50,17 +50,18 @@ namespace ngsxfem_contact
     std::vector<double> DofPositions (size_t crack) const;
     auto Arguments () const { return std::tuple(body, order, nodes); }
   private:
-    std::pair<size_t,size_t> Intervals (size_t element) const;
+    /// First and last (excluded) interval of a crack that meets the element.
+    std::pair<size_t,size_t> Intervals (const ElementCrack & here) const;
   };
 
-  /// Restrictions to Γ_C of the P_j functions of the mesh, j ≥ 1; linearly dependent unless some are left out.
+  /// Restrictions to each crack of the P_j functions of the mesh, j ≥ 1; linearly dependent unless some are left out.
   class MeshTraceBasis : public TraceBasis
   {
     shared_ptr<CrackedMesh> body;
     std::set<size_t> left_out;
     shared_ptr<ngcomp::FESpace> scalar;
     CrackNodes nodes;
-    std::vector<int> number;              // of each mesh function; -1: not used
+    std::vector<std::vector<int>> number; // on each crack of each mesh function; -1: not used
     size_t ndof = 0;
   public:
     /// left_out: in the numbering of a basis with nothing left out.

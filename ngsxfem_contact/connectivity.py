@@ -20,7 +20,7 @@ class VertexCopies:
         for j in range(V.num_heaviside):
             dof, shift = V.Heaviside(j)
             if dof < self.nv:
-                self.enriched.setdefault(dof, []).append((j, shift))
+                self.enriched.setdefault(dof, []).append((j, shift, V.HeavisideCrack(j)))
         self.index = {}
         edges = np.concatenate([self._uncut_edges(), np.array(self._crack_edges(), dtype=int).reshape(-1, 2)])
         copies = self.nv + len(self.index)
@@ -37,8 +37,8 @@ class VertexCopies:
         self.parts = len(parts)
 
     def _copy(self, vertex, element, forced):
-        """The copy on the side of an element, or on a forced one with respect to the crack that divides it."""
-        own = tuple(self.V.HeavisideSide(j, element) or forced for j, _ in self.enriched.get(vertex, []))
+        """The copy on the side of an element, or on forced sides {crack: side} with respect to the cracks that divide it."""
+        own = tuple(self.V.HeavisideSide(j, element) or forced[crack] for j, _, crack in self.enriched.get(vertex, []))
         return self.index.setdefault((vertex, own), self.nv + len(self.index)) if own else vertex
 
     def _uncut_edges(self):
@@ -52,15 +52,13 @@ class VertexCopies:
         return np.concatenate([vertices[~beside][:, [0, 1]], vertices[~beside][:, [0, 2]]])
 
     def _crack_edges(self):
-        """Each part of an element beside a crack joins the copies of its vertices on its side."""
+        """Each part of an element beside a crack joins the copies of its vertices on its sides."""
         edges = []
         body = self.V.body
-        locations = {location.element: location for c in range(len(body.cracks)) for location in body.Elements(c)}
         for element, vertices in self.beside:
-            location = locations.get(element)
-            forced = {0} if location is None else {int(piece.side) for piece in location.pieces}
-            for side in forced:
-                first, *others = [self._copy(v, element, side) for v in vertices]
+            cracks = body.CracksOf(element)
+            for sides in {tuple(map(int, part.sides)) for part in body.Parts(element)} or {()}:
+                first, *others = [self._copy(v, element, dict(zip(cracks, sides))) for v in vertices]
                 edges += [(first, other) for other in others]
         return edges
 
@@ -77,10 +75,10 @@ class VertexCopies:
         for component in range(2):
             vec[component * scalar + np.flatnonzero(inside)] = field[component][inside]
             for vertex, functions in self.enriched.items():
-                larger = tuple(shift for _, shift in functions)
+                larger = tuple(shift for _, shift, _ in functions)
                 on_larger = self._is_in(vertex, larger, part)
                 vec[component * scalar + vertex] = on_larger * field[component][vertex]
-                for k, (j, shift) in enumerate(functions):
+                for k, (j, shift, _) in enumerate(functions):
                     # the function ½(H - s) φ is -s φ on the other side
                     other = larger[:k] + (-shift,) + larger[k + 1 :]
                     difference = self._is_in(vertex, other, part) - on_larger

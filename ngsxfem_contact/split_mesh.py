@@ -9,6 +9,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from .spaces import mask
+
 LIPS = (1, -1)  # plus and minus
 PULL = 0.05  # stresses are taken this part of the way from a corner to the triangle's centre: they jump, and are infinite at tips
 
@@ -25,16 +27,13 @@ class SplitMesh:
 
     def __init__(self, body, subdivision=0):
         self.body, self._mesh = body, None
-        located = [(c, location) for c in range(len(body.cracks)) for location in body.Elements(c)]
-        tolerance = 1e-9 * min(location.h for _, location in located)
-        points, triangles, parent = conforming_triangles(body, located, tolerance)
+        tolerance = 1e-9 * min(location.h for c in range(len(body.cracks)) for location in body.Elements(c))
+        points, triangles, parent = conforming_triangles(body, tolerance)
         for _ in range(subdivision):
             points, triangles = divide_in_four(points, triangles)
             parent = np.tile(parent, (4, 1))
         self.element, self.side = parent.T.copy()
-        carried = np.full(body.mesh.ne, -1)
-        for c in range(len(body.cracks)):
-            carried[[location.element for location in body.Elements(c)]] = c
+        carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))]).T
         self._Double(points, triangles, *crack_edges(body.cracks, points, triangles, carried[self.element], tolerance))
         self.reference = reference_coordinates(body.mesh, self.points[self.triangles], self.element)
         if body.mesh.GetCurveOrder() > 1:
@@ -97,11 +96,13 @@ class SplitMesh:
         return function
 
 
-def conforming_triangles(body, located, tolerance):
+def conforming_triangles(body, tolerance):
     """Points, triangles and rows (element, side) with no point inside an edge; no point is doubled yet."""
     vertices, elements = mesh_arrays(body.mesh)
-    uncut = np.setdiff1d(np.arange(len(elements)), [location.element for _, location in located])
-    pieces = [(t, location.element, int(piece.side)) for c, location in located for piece in location.pieces for t in flat(piece, body.cracks[c])]
+    cut = mask(body.CrackElements(None))
+    uncut = np.flatnonzero(~cut)
+    parts = [(int(element), part) for element in np.flatnonzero(cut) for part in body.Parts(int(element))]
+    pieces = [(t, element, int(part.piece.side)) for element, part in parts for t in flat(part.piece, body.cracks[part.crack])]
     corners = np.array([triangle for triangle, _, _ in pieces]).reshape(-1, 2)
     bends = np.array([crack.PointAt(s) for crack in body.cracks for s in (0, *crack.kinks, crack.length)]).reshape(-1, 2)
     points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)
@@ -207,11 +208,11 @@ def twin_edges(triangles):
 def crack_edges(cracks, points, triangles, carried, tolerance):
     """Edges (L,) on a crack, corners (L,2) that give the values at their ends, their cracks (L,), and the sides (L,) of their triangles.
 
-    carried (M,): the crack of a triangle's element, or -1. Limits on a crack are defined in elements that carry it: where
-    it runs along edges, the neighbour may carry another crack, to which Plus and Minus would refer.
+    carried (M, cracks): whether a triangle's element carries a crack. Limits on a crack are defined in elements that carry it:
+    where it runs along edges, the neighbour may carry another crack, to which Plus and Minus would refer.
     """
     first, second = twin_edges(triangles)
-    near = (carried[first // 3] >= 0) | (carried[second // 3] >= 0)
+    near = (carried[first // 3] | carried[second // 3]).any(axis=1)
     edges, twins = np.concatenate([first[near], second[near]]), np.concatenate([second[near], first[near]])
     a, b = triangles.ravel()[edges], triangles.ravel()[next_corner(edges)]
     crack_of, side = np.full(len(edges), -1), np.zeros(len(edges), dtype=int)
@@ -220,7 +221,7 @@ def crack_edges(cracks, points, triangles, carried, tolerance):
         on = (rank[a] >= 0) & (rank[b] >= 0) & (np.abs(rank[b] - rank[a]) == 1)
         crack_of[on], side[on] = c, (rank[b] - rank[a])[on]  # a triangle lies to the left of its edges
     own, other = np.stack([edges, next_corner(edges)], axis=1), np.stack([next_corner(twins), twins], axis=1)
-    values_from = np.where((carried[edges // 3] == crack_of)[:, None], own, other)
+    values_from = np.where(carried[edges // 3, crack_of][:, None], own, other)
     return [array[side != 0] for array in (edges, values_from, crack_of, side)]
 
 

@@ -5,6 +5,7 @@ take part in R_h. The two vector modes have σ_n = 0 on the lips; single functio
 that ∫γ R_h(v)² diverges: with them γ falls linearly to zero within h_T of the tip (docs/method.md, section 5).
 """
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,10 +104,13 @@ class BothSides:
 
 
 def element_gamma(V, limits):
-    """γ = limit h_T, weighted at the tips, for one limit on each of crack_elements."""
+    """γ = limit h_T, weighted at the tips, for one limit on each of crack_elements; where cracks share one, the least."""
     gamma = GridFunction(L2(V.mesh, order=0))
+    gamma.vec[:] = np.inf
     for location, limit in zip(crack_elements(V.body), limits):
-        gamma.vec[location.element] = limit * location.h
+        gamma.vec[location.element] = min(limit * location.h, gamma.vec[location.element])
+    values = gamma.vec.FV().NumPy()
+    values[np.isinf(values)] = 0
     return gamma * tip_weight(V)
 
 
@@ -150,17 +154,21 @@ def summed_traces(stabilisation, u, material, body, component=NORMAL):
 def trace_constants(V, material, components=(NORMAL,)):
     """C_T for each element of crack_elements: the local eigenproblems of docs/method.md, section 5.
 
-    C_T = max ∫_{T∩Γ} h_T w R_h(v)² / a_T(v,v) over the functions of V that live on T, w = tip_weight; with friction
-    |σn|² = σ_n² + σ_t² in place of σ_n². Dimensionless times stress; with γ_T = θ h_T / C_T, ∫γ R_h(v)² ≤ θ a(v,v),
-    because the larger parts are disjoint.
+    C_T = m max ∫_{T∩Γ} h_T w R_h(v)² / a_T(v,v) over the functions of V that live on T, w = tip_weight, a_T over the larger
+    part beside Γ; with friction |σn|² = σ_n² + σ_t² in place of σ_n². Dimensionless times stress; with γ_T = θ h_T / C_T,
+    ∫γ R_h(v)² ≤ θ a(v,v): larger parts of one crack are disjoint, and m cracks that share an element may use one part all.
     """
     u, v = V.TnT()
     body = V.body
-    energy = BilinearForm(V)
-    energy += InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dlarger
-    trace = BilinearForm(V)
-    trace += tip_weight(V) * squared_traces(BarbosaHughes, u, v, material, body, components) * body.dcrack
-    return np.array([location.h * _largest_ratio(V, location.element, trace, energy) for location in crack_elements(body)])
+    stress_power = InnerProduct(material.Stress(Strain(u)), Strain(v))
+    traces = tip_weight(V) * squared_traces(BarbosaHughes, u, v, material, body, components)
+    sharing = Counter(location.element for location in crack_elements(body))
+    constants = []
+    for crack in range(len(body.cracks)):
+        energy = BilinearForm(stress_power * body.dlarger(crack=crack))
+        trace = BilinearForm(traces * body.dcrack(crack=crack))
+        constants += [sharing[T.element] * T.h * _largest_ratio(V, T.element, trace, energy) for T in body.Elements(crack)]
+    return np.array(constants)
 
 
 def _largest_ratio(V, element, trace, energy, kernel=1e-10):

@@ -82,6 +82,11 @@ static void ExportLocation (py::module & m)
          }, "Arc lengths between which the crack is in the element.")
     .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); })
     .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); });
+  py::class_<ElementPart>(m, "ElementPart", "A part of an element that cracks meet.")
+    .def_readonly("piece", &ElementPart::piece)
+    .def_readonly("crack", &ElementPart::crack, "The crack that the side and the curved side of the piece belong to.")
+    .def_readonly("sides", &ElementPart::sides, "With respect to each of the element's cracks.")
+    .def_readonly("larger", &ElementPart::larger, "For each of the element's cracks: whether this belongs to the larger part beside it.");
   py::enum_<EndKind>(m, "EndKind", "An end of a crack: a Tip inside the body or a Mouth on its boundary.").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
   py::class_<CrackEnd>(m, "CrackEnd")
     .def_readonly("kind", &CrackEnd::kind)
@@ -132,14 +137,14 @@ static std::vector<Crack> CracksOf (const CrackedMesh & body)
 
 static CutDifferentialSymbol CrackSymbol (shared_ptr<CrackedMesh> body)
 {
-  CutDifferentialSymbol dcrack(Measure { body, Domain::Crack, {} }, VOL);
+  CutDifferentialSymbol dcrack(Measure { body, { Domain::Crack } }, VOL);
   dcrack.definedonelements = body->CrackElements();
   return dcrack;
 }
 
 static CutDifferentialSymbol LargerSymbol (shared_ptr<CrackedMesh> body)
 {
-  CutDifferentialSymbol dlarger(Measure { body, Domain::Larger, {} }, VOL);
+  CutDifferentialSymbol dlarger(Measure { body, { Domain::Larger } }, VOL);
   dlarger.definedonelements = body->CrackElements();
   return dlarger;
 }
@@ -148,7 +153,7 @@ static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
       "A mesh with cracks. dx: Omega without the cracks; ds: its boundary, both sides at a mouth; dcrack: the cracks; "
-      "dlarger: the larger part of each element that a crack meets.")
+      "dlarger: the larger part, of those directly beside a crack, of each element that it meets.")
     .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
                   {
                     std::vector<Crack> all;
@@ -160,6 +165,17 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("tips", &CrackedMesh::Tips)
     .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"))
     .def("Elements", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Elements(); }, py::arg("crack"), "The elements that a crack meets.")
+    .def("Parts", [] (const CrackedMesh & b, size_t element)
+         {
+           auto cut = b.Find(element);
+           return cut ? cut->parts : std::vector<ElementPart>();
+         }, py::arg("element"), "The parts into which the cracks divide an element; none if no crack meets it.")
+    .def("CracksOf", [] (const CrackedMesh & b, size_t element)
+         {
+           std::vector<size_t> numbers;
+           if (auto cut = b.Find(element)) for (auto & here : cut->cracks) numbers.push_back(here.crack);
+           return numbers;
+         }, py::arg("element"), "Numbers of the cracks that meet an element.")
     .def("CutBoundaryElements", [] (const CrackedMesh & b, size_t c)
          {
            std::vector<size_t> elements;
@@ -171,8 +187,8 @@ static void ExportCrackedMesh (py::module & m)
     .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "Element numbers and reference coordinates of points on a crack.")
     .def_property_readonly("normal", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, false); })
     .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); })
-    .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, Domain::Bulk, {} }, VOL); })
-    .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, Domain::Bulk, {} }, BND); })
+    .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); })
+    .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); })
     .def_property_readonly("dlarger", &LargerSymbol)
     .def_property_readonly("dcrack", &CrackSymbol)
     .def(py::pickle([] (const CrackedMesh & b) { return py::make_tuple(b.GetMesh(), CracksOf(b)); },

@@ -18,7 +18,8 @@ static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::
         if (dx.definedonelements) both->And(*dx.definedonelements);
         dx.definedonelements = both;
       }
-  if (nodes) dx.measure.nodes = *nodes;
+  if (nodes) dx.measure.kind.nodes = *nodes;
+  if (crack) dx.measure.kind.crack = crack;
   if (definedon)
     {
       auto region = get_if<Region>(&*definedon);
