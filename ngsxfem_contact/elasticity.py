@@ -1,10 +1,11 @@
 """Isotropic linear elasticity in the plane: (1) of [AHLMR12]."""
 
 import re
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import isfinite
 
-from ngsolve import VOL, ElementId, Id, Trace
+from ngsolve import VOL, CoefficientFunction, ElementId, Id, Trace
 
 
 def check_engineering_constants(E, nu, limit):
@@ -13,8 +14,11 @@ def check_engineering_constants(E, nu, limit):
         raise ValueError(f"E={E}, nu={nu}: Young's modulus must be positive, Poisson's ratio between -1 and {limit}")
 
 
-class Isotropic:
+class Isotropic(ABC):
     """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu."""
+
+    lam: float | CoefficientFunction
+    mu: float | CoefficientFunction
 
     @property
     def kappa(self):
@@ -24,6 +28,10 @@ class Isotropic:
     def Stress(self, strain):
         """The 2 × 2 stress of a 2 × 2 strain (a CoefficientFunction of NGSolve)."""
         return self.lam * Trace(strain) * Id(2) + 2 * self.mu * strain
+
+    @abstractmethod
+    def At(self, mesh, point) -> "Elasticity":
+        """The Elasticity at a point of the mesh."""
 
 
 @dataclass(frozen=True)

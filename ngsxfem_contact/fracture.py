@@ -37,7 +37,7 @@ class StressIntensityFactors:
     K_II: float
     error: float = float("nan")
     radii: tuple = ()
-    by_radius: np.ndarray = field(default=None, repr=False)
+    by_radius: np.ndarray | None = field(default=None, repr=False)
     modes: tuple | None = None
 
     def __iter__(self):
@@ -224,7 +224,8 @@ class InteractionIntegral:
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
         first, second = pressures(solution)
         doubt = [0.5 * scale * abs(integrals[0].OfPressure(first - second, mode)) for mode in modes]
-        return StressIntensityFactors(*map(float, K[0]), float(max(*np.ptp(K, axis=0), *doubt)), radii, K, mode_coefficients(solution, tip))
+        error = float(max(*np.ptp(K, axis=0), *doubt))
+        return StressIntensityFactors(float(K[0, 0]), float(K[0, 1]), error, radii, K, mode_coefficients(solution, tip))
 
 
 @dataclass(frozen=True)
@@ -240,7 +241,8 @@ class ModeCoefficients:
         modes = mode_coefficients(solution, tip)
         if modes is None:
             raise ValueError(f"StressIntensity: the space has no modes at tip {tip}; build it with tip=TipEnrichment(material=material)")
-        return StressIntensityFactors(*modes, modes=modes)
+        K_I, K_II = modes
+        return StressIntensityFactors(K_I, K_II, modes=modes)
 
 
 @dataclass(frozen=True)
@@ -259,7 +261,7 @@ class JumpExtrapolation:
         jumps = np.column_stack([f(points).ravel() for f in (NormalGap(solution.u, body), Slip(solution.u, body))])
         A = np.linalg.lstsq(np.column_stack([np.ones_like(r), r]), jumps / np.sqrt(r)[:, None], rcond=None)[0][0]
         K = A * np.sqrt(2 * np.pi) * material.mu / (material.kappa + 1)
-        return StressIntensityFactors(*map(float, K), modes=mode_coefficients(solution, tip))
+        return StressIntensityFactors(float(K[0]), float(K[1]), modes=mode_coefficients(solution, tip))
 
 
 METHODS = {"interaction": InteractionIntegral, "modes": ModeCoefficients, "jump": JumpExtrapolation}

@@ -4,6 +4,7 @@ The tangential multiplier λ_t approximates σ_t = t·σn. It has the sign of th
 pulled by -σn, against its motion relative to the minus side.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,8 +35,10 @@ class Frictionless:
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
 
 
-class Friction:
+class Friction(ABC):
     """What Tresca and Coulomb share: a normal and a tangential multiplier, and nodal states."""
+
+    method: FullNewton | FixedPoint
 
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
@@ -55,6 +58,14 @@ class Friction:
         report.threshold_changes = result.threshold_changes
         report.uniqueness = self.Uniqueness(Q, threshold)
         return result.p
+
+    @abstractmethod
+    def Threshold(self, W, cone):
+        """The `nodal_newton.Threshold` of the tangential multiplier at the nodes of W."""
+
+    @abstractmethod
+    def Uniqueness(self, Q, threshold) -> float | None:
+        """A number below 1 proves that there is one solution; None: not known."""
 
     def Violation(self, p, w, scale, W, cone):
         """The largest violation of the nodal conditions, for p and w divided by their scales."""
@@ -119,7 +130,7 @@ def check_number(value, name):
     if isinstance(value, CoefficientFunction):
         if value.dim != 1:
             raise ValueError(f"{name} has {value.dim} components, it must be a scalar")
-    elif not np.isscalar(value) or isinstance(value, str):
+    elif not isinstance(value, (int, float, np.number)):
         raise TypeError(f"{name}={value!r} is neither a number nor a CoefficientFunction")
     elif not 0 <= value < float("inf"):
         raise ValueError(f"{name}={value} must be a finite number >= 0")

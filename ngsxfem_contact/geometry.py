@@ -13,7 +13,7 @@ def of_spline(spline):
     t, p, d = spline.x, spline(spline.x), spline(spline.x, 1)
     h = np.diff(t)[:, None]
     pieces = np.stack([p[:-1], h * d[:-1], p[1:], h * d[1:]], axis=1)
-    return Crack.OfPieces([("cubic", [tuple(map(float, q)) for q in piece]) for piece in pieces])
+    return Crack.OfPieces([("cubic", [(float(x), float(y)) for x, y in piece]) for piece in pieces])
 
 
 def checked(points, name):
@@ -222,4 +222,5 @@ def without_short_chords(points):
     return np.array([*kept, points[-1]])
 
 
-Crack.Spline, Crack.Curve, Crack.LevelSet = staticmethod(spline), staticmethod(curve), staticmethod(level_set)
+for name, constructor in (("Spline", staticmethod(spline)), ("Curve", staticmethod(curve)), ("LevelSet", staticmethod(level_set))):
+    setattr(Crack, name, constructor)

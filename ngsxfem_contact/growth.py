@@ -156,7 +156,8 @@ class CrackGrowth:
         """Factors and driving force of a tip; a state if it does not grow."""
         tip = solution.body.tips[number]
         crack, end = tip.crack, ENDS[int(tip.s > 0)]
-        row = TipStep(len(self.solutions), crack, end, *tip.point, solution.body.cracks[crack].length, state=self._ended.get((crack, end), ""))
+        (x, y), length = tip.point, solution.body.cracks[crack].length
+        row = TipStep(len(self.solutions), crack, end, x, y, length, state=self._ended.get((crack, end), ""))
         if row.state:
             return row
         try:

@@ -6,6 +6,7 @@ program applies B (later C), whose contact pressure and gap depend on the body f
 
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, cos, sin, specialcf, x, y
@@ -29,7 +30,7 @@ TRACTION = {
 
 
 # Boundary-fitted hp solutions, independent of this package: ½a(u,u), ∫λ, end of the opening (arc length), K_I and K_II.
-REFERENCE = {
+REFERENCE: dict[str, dict[str, Any]] = {
     "A/4": {"energy": 2.9008736e-4, "contact_force": -0.00567768, "transition": 0.365140, "K_I": 0.0, "K_II": 0.0},
     "A": {"energy": 0.00117393376, "contact_force": 0.0, "transition": None, "K_I": 0.0457374, "K_II": 0.0},
     "B": {"energy": 3.40135917e-4, "contact_force": -0.01035791, "transition": 0.2641001, "K_I": 0.0, "K_II": -0.00790112},

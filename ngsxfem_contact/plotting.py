@@ -93,7 +93,7 @@ PROFILES = {
 def plot_profile(solution, crack=0, ax=None, quantities=("pressure", "gap")):
     """Quantities along a crack, the contact zone shaded: "pressure" -λ, "gap", "slip", "shear". ax: one axes for each. Returns them."""
     profile = solution.Profile(crack=crack, n=400)
-    axes = np.ravel(pyplot().subplots(len(quantities), 1, sharex=True, layout="constrained")[1] if ax is None else ax)
+    axes = list(np.ravel(pyplot().subplots(len(quantities), 1, sharex=True, layout="constrained")[1] if ax is None else ax))
     pressure = -np.asarray(profile.sigma_n)
     contact = pressure > 1e-8 * np.abs(pressure).max()
     for axis, quantity in zip(axes, quantities):

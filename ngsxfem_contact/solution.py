@@ -101,13 +101,13 @@ class ContactSolution:
         s = np.linspace(0, body.cracks[crack].length, n)
         points = crack_points(body, crack, s)
         xy = np.array([body.cracks[crack].PointAt(si) for si in s])
-        values = [f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier)]
+        gap, slip, sigma_n = (f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier))
         if self.tangential_multiplier:
-            return CrackProfile(s, xy[:, 0], xy[:, 1], *values, self.tangential_multiplier(points).ravel())
+            return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.tangential_multiplier(points).ravel())
         stress = self.problem.material.Stress(Strain(self.u, "larger"))
         # at a tip itself the terms of the stress cancel only in exact arithmetic
         inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
-        return CrackProfile(s, xy[:, 0], xy[:, 1], *values, TangentialStress(stress, body)(inside).ravel())
+        return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, TangentialStress(stress, body)(inside).ravel())
 
     def Transitions(self, crack=0):
         """Arc lengths at which the active set changes along a crack: between two neighbouring nodes the middle."""

@@ -46,18 +46,19 @@ class TipEnrichment:
 
     def Spec(self, body, tip):
         """What the space needs to know at one tip of `body.tips`. Raises ValueError for a disk that does not fit."""
-        modes = self.material is not None and self.functions != "branch"
-        radius, limit = largest_disk(body, tip, self.material if modes else None)
+        material = None if self.functions == "branch" else self.material
+        radius, limit = largest_disk(body, tip, material)
         r1 = 0.9 * radius if self.r1 is None else self.r1
         if radius < tip.clearance and not 0 < r1 <= (1 + 1e-10) * radius:
             raise ValueError(
                 f"TipEnrichment: the disk r1 = {r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}) reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or tip=None"
             )
         r0 = r1 / 50 if self.r0 is None else self.r0
-        basis = core.TipBasis.modes if modes else core.TipBasis.branch
-        here = self.material.At(body.mesh, tip.point) if modes else None
-        kappa, mu = (here.kappa, here.mu) if modes else (0, 1)
-        return core.TipSpec(basis, core.CutOff.__members__[self.cutoff], r0, r1, kappa, mu)
+        cutoff = core.CutOff.__members__[self.cutoff]
+        if material is None:
+            return core.TipSpec(core.TipBasis.branch, cutoff, r0, r1, 0, 1)
+        here = material.At(body.mesh, tip.point)
+        return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
 
 
 class CrackFESpace(core.CrackFESpace):
@@ -113,7 +114,7 @@ class TraceSpace(core.TraceSpace):
             nodes = [nodes]
         core.NodalTraceBasis(body, order, nodes)  # refuses nodes that do not fit
         if basis == "nodal" or (basis == "trace" and order == 0):
-            functions = core.NodalTraceBasis(body, order, nodes)
+            functions: core.TraceBasis = core.NodalTraceBasis(body, order, nodes)
         elif basis == "trace":
             functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
         else:
