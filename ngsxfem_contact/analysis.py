@@ -2,7 +2,7 @@
 
     python -m ngsxfem_contact.analysis
 
-Closed forms and their letters are those of docs/method.md, section 7. Rates are slopes of means over rotated and shifted bodies.
+Closed forms and their letters are those of `closed_forms`. Rates are slopes of means over rotated and shifted bodies.
 """
 
 from collections.abc import Callable

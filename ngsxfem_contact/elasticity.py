@@ -3,15 +3,16 @@
 import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import isfinite
 
-from ngsolve import VOL, CoefficientFunction, ElementId, Id, Trace
+from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace
+
+from .arguments import INFINITY, check_number, check_type
 
 
-def check_engineering_constants(E, nu, limit):
-    """Raises ValueError unless E > 0 and -1 < nu < limit."""
-    if not (0 < E < float("inf") and -1 < nu < limit):
-        raise ValueError(f"E={E}, nu={nu}: Young's modulus must be positive, Poisson's ratio between -1 and {limit}")
+def check_engineering_constants(E, nu, limit, name):
+    """Raises ValueError unless 0 < E < inf and -1 < nu < limit."""
+    check_number(E, f"{name}: E", lambda E: 0 < E < INFINITY, "be positive and finite (Young's modulus)")
+    check_number(nu, f"{name}: nu", lambda nu: -1 < nu < limit, f"lie between -1 and {limit} (Poisson's ratio)")
 
 
 class Isotropic(ABC):
@@ -47,8 +48,8 @@ class Elasticity(Isotropic):
     mu: float
 
     def __post_init__(self):
-        if not (isfinite(self.lam) and isfinite(self.mu)):
-            raise ValueError(f"Elasticity(lam={self.lam}, mu={self.mu}): both must be finite numbers")
+        check_number(self.lam, "Elasticity: lam")
+        check_number(self.mu, "Elasticity: mu")
         if self.mu <= 0 or self.lam + self.mu <= 0:
             raise ValueError(
                 f"Elasticity(lam={self.lam}, mu={self.mu}): the energy is positive only for mu > 0 and lam + mu > 0; check the sign and the Poisson ratio"
@@ -57,13 +58,13 @@ class Elasticity(Isotropic):
     @staticmethod
     def PlaneStrain(E, nu):
         """From Young's modulus E > 0 and Poisson's ratio -1 < nu < 1/2."""
-        check_engineering_constants(E, nu, 0.5)
+        check_engineering_constants(E, nu, 0.5, "Elasticity.PlaneStrain")
         return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)))
 
     @staticmethod
     def PlaneStress(E, nu):
         """A thin plate, -1 < nu < 1: lam is replaced by E nu / (1 - nu²)."""
-        check_engineering_constants(E, nu, 1)
+        check_engineering_constants(E, nu, 1, "Elasticity.PlaneStress")
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)))
 
     @staticmethod
@@ -84,11 +85,16 @@ class RegionElasticity(Isotropic):
     """
 
     def __init__(self, mesh, materials):
+        check_type(mesh, Mesh, "Elasticity.ByRegion: mesh", "a Mesh of NGSolve")
+        check_type(materials, dict, "Elasticity.ByRegion: materials", "a dictionary {name of a region: Elasticity}")
         for name, material in materials.items():
             if not isinstance(material, Elasticity):
                 raise TypeError(f"Elasticity.ByRegion: {name!r} has the material {material!r}, which is not an Elasticity")
         names = mesh.GetMaterials()
-        matches = {region: [name for name in materials if re.fullmatch(name, region)] for region in names}
+        try:
+            matches = {region: [name for name in materials if re.fullmatch(name, region)] for region in names}
+        except re.error as error:
+            raise ValueError(f"Elasticity.ByRegion: {error.pattern!r} is no regular expression ({error}); escape special characters by \\") from None
         for region, found in matches.items():
             if len(found) != 1:
                 raise ValueError(

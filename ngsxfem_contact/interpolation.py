@@ -1,8 +1,9 @@
 """Functions of V_h from given ones: Definition 3.1 of [AHLMR12], and the L² projection."""
 
 import numpy as np
-from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, CoefficientFunction, GridFunction, LinearForm, NodeId, VectorH1
+from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunction, LinearForm, NodeId, VectorH1
 
+from .arguments import check_function
 from .elimination import Elimination
 
 
@@ -14,7 +15,7 @@ def Interpolant(V, plus, minus=None, tips=()):
     Returns a GridFunction. With several cracks the same pair is used at each.
     """
     scalar = V.scalar_space.ndof
-    one_sided = [_smooth(V, f) for f in (plus, minus if minus is not None else plus)]
+    one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
     u = GridFunction(V)
     vec = u.vec.FV().NumPy()
     sides = _own_sides(V)
@@ -25,15 +26,25 @@ def Interpolant(V, plus, minus=None, tips=()):
             dof, _ = V.Heaviside(j)
             vec[V.HeavisideDof(j, component)] = of_plus[dof] - of_minus[dof]
     for tip, coefficients in enumerate(tips):
-        vec[V.TipDofs(tip)] = coefficients
+        dofs = V.TipDofs(tip)
+        if np.shape(coefficients) != (len(dofs),) or not np.isfinite(coefficients).all():
+            raise ValueError(f"Interpolant: tips[{tip}]={coefficients!r} are not {len(dofs)} finite numbers, one for each function at tip {tip}")
+        vec[dofs] = coefficients
     return u
 
 
-def _smooth(V, function):
+def _smooth(V, function, name):
     """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
     plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
-    plain.Set(CoefficientFunction(function), dual=True)
-    return plain.vec.FV().NumPy().copy()
+    plain.Set(check_function(function, f"Interpolant: {name}", 2), dual=True)
+    return finite(plain.vec.FV().NumPy().copy(), f"Interpolant: {name}")
+
+
+def finite(values, name):
+    """The values; raises ValueError unless all are finite."""
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} is not finite (NaN or inf) somewhere in the body")
+    return values
 
 
 def _scalar_flags(V):
@@ -67,9 +78,10 @@ def Projection(V, function, bonus_intorder=4):
     """The L²(Ω∖Γ_C) projection of a CoefficientFunction with two components (which may jump) onto V; a GridFunction."""
     u, v = V.TnT()
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
-    load = LinearForm(CoefficientFunction(function) * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec
+    function = check_function(function, "Projection: function", 2)
+    load = finite(LinearForm(function * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec.FV().NumPy(), "Projection: function")
     result = GridFunction(V)
     everything = BitArray(V.ndof)
     everything.Set()
-    result.vec.FV().NumPy()[:] = Elimination(mass, V, everything).SolveRefined(load.FV().NumPy())
+    result.vec.FV().NumPy()[:] = Elimination(mass, V, everything).SolveRefined(load)
     return result

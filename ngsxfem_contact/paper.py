@@ -1,6 +1,6 @@
 """The test of section 4 of [AHLMR12]: Ω = ]0,1[ × ]-½,½[, Γ_C = ]0,½[ × {0}, loads A, B, C and A/4, a quarter of A's traction.
 
-Finding 2 of docs/method.md: the load as printed in the paper (A) opens the crack on its whole length; its authors'
+docs/paper.md: the load as printed in the paper (A) opens the crack on its whole length; its authors'
 program applies B (later C), whose contact pressure and gap depend on the body force only.
 """
 

@@ -1,9 +1,11 @@
 """What a solve did: counts, times and residuals."""
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
 
 from .nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
+from .progress import doing
 
 
 @dataclass
@@ -76,13 +78,10 @@ def contraction(changes):
     return (above[-1] / above[0]) ** (1 / (len(above) - 1)) if len(above) > 1 else 0.0
 
 
-class Stopwatch:
-    """Seconds since the last mark, by name."""
-
-    def __init__(self, timings):
-        self.timings, self.last = timings, perf_counter()
-
-    def Mark(self, name):
-        """Books the time since the last mark."""
-        now = perf_counter()
-        self.timings[name], self.last = now - self.last, now
+@contextmanager
+def stage(timings, name, what):
+    """Books the seconds of a block in `timings`; what: said if it takes long."""
+    start = perf_counter()
+    with doing(what):
+        yield
+    timings[name] = perf_counter() - start

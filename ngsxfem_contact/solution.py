@@ -6,6 +6,7 @@ import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
 from . import fracture
+from .arguments import check_item, check_whole
 from .nodal_newton import FREE
 from .operators import NormalGap, Slip, Strain, TangentialStress
 from .spaces import crack_points
@@ -75,11 +76,15 @@ class ContactSolution:
 
     def ContactForce(self, crack=0):
         """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other."""
-        return Integrate(self.multiplier * self.problem.W.dcrack(crack=crack), self.body.mesh)
+        return self._along(self.multiplier, crack)
 
     def TangentialForce(self, crack=0):
         """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction."""
-        return Integrate(self.tangential_multiplier * self.problem.W.dcrack(crack=crack), self.body.mesh) if self.tangential_multiplier else 0.0
+        return self._along(self.tangential_multiplier, crack) if self.tangential_multiplier else 0.0
+
+    def _along(self, function, crack):
+        check_item(crack, self.body.cracks, "crack", "body.cracks")
+        return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh)
 
     def FrictionWork(self):
         """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes."""
@@ -98,6 +103,8 @@ class ContactSolution:
         frictionless contact makes zero.
         """
         body = self.body
+        check_item(crack, body.cracks, "crack", "body.cracks")
+        check_whole(n, "Profile: n", 2)
         s = np.linspace(0, body.cracks[crack].length, n)
         points = crack_points(body, crack, s)
         xy = np.array([body.cracks[crack].PointAt(si) for si in s])
@@ -120,6 +127,7 @@ class ContactSolution:
 
     def _changes(self, states, crack, where=lambda a, b: True):
         positions = self.state.nodes.NodalPositions()
+        check_item(crack, positions, "crack", "body.cracks")
         first = sum(len(p) for p in positions[:crack])
         a, b = (states[first : first + len(positions[crack])][part] for part in (slice(None, -1), slice(1, None)))
         changes = np.flatnonzero((a != b) & where(a, b))

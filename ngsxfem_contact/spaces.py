@@ -8,6 +8,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigsh
 
 from . import _ngsxfem_contact as core
+from .arguments import INFINITY, check_number, check_positive, check_type, check_whole
 from .elasticity import Isotropic
 from .tip_disk import largest_disk
 
@@ -37,12 +38,17 @@ class TipEnrichment:
     def __post_init__(self):
         if self.cutoff not in core.CutOff.__members__:
             raise ValueError(f"TipEnrichment: cutoff={self.cutoff!r} is not one of {list(core.CutOff.__members__)}")
-        if not 0 < self.tolerance < 1:
-            raise ValueError(f"TipEnrichment: tolerance={self.tolerance} must lie between 0 and 1")
+        check_number(self.tolerance, "TipEnrichment: tolerance", lambda tolerance: 0 < tolerance < 1, "lie between 0 and 1")
+        if self.r1 is not None:
+            check_positive(self.r1, "TipEnrichment: r1")
+        if self.r0 is not None:
+            r1 = INFINITY if self.r1 is None else self.r1
+            check_number(self.r0, "TipEnrichment: r0", lambda r0: 0 <= r0 < r1, f"be less than r1={self.r1}: the cut-off needs 0 <= r0 < r1")
         if self.functions not in (None, "modes", "branch"):
             raise ValueError(f"TipEnrichment: functions={self.functions!r} is not 'modes' or 'branch'")
         if self.functions == "modes" and self.material is None:
             raise ValueError("TipEnrichment: functions='modes' needs material=Elasticity(...), which the modes depend on")
+        check_type(self.material, Isotropic | None, "TipEnrichment: material", "an Elasticity")
 
     def Spec(self, body, tip):
         """What the space needs to know at one tip of `body.tips`. Raises ValueError for a disk that does not fit."""
@@ -74,12 +80,16 @@ class CrackFESpace(core.CrackFESpace):
     """
 
     def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", **flags):
+        check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
+        check_whole(order, "CrackFESpace: order", 1)
         if bubble and order != 1:
             raise ValueError(f"CrackFESpace: bubble=True goes with order=1 (P1+), not with order={order}")
-        if order < 1:
-            raise ValueError(f"CrackFESpace: order={order} must be 1 or more")
-        check_regions(body.mesh, dirichlet, "dirichlet")
+        if dirichlet:
+            check_regions(body.mesh, dirichlet, "CrackFESpace: dirichlet")
         tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
+        for enrichment in tips:
+            if enrichment is not None and not hasattr(enrichment, "Spec"):
+                raise TypeError(f"CrackFESpace: tip={enrichment!r} is neither a TipEnrichment nor None")
         specs = [enrichment and enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
@@ -91,7 +101,8 @@ class CrackFESpace(core.CrackFESpace):
 
 def check_regions(mesh, pattern, what):
     """Raises ValueError if a pattern of boundary names matches nothing."""
-    if pattern and not mesh.Boundaries(pattern).Mask().NumSet():
+    check_type(pattern, str | list | tuple, what, "the name of a boundary, or a regular expression")
+    if not mesh.Boundaries(pattern).Mask().NumSet():
         raise ValueError(f"{what}={pattern!r} matches no boundary; the mesh has {sorted(set(mesh.GetBoundaries()))}")
 
 
@@ -106,13 +117,16 @@ class TraceSpace(core.TraceSpace):
     """
 
     def __init__(self, body, order=1, basis="nodal", nodes=None):
-        if order < 0:
-            raise ValueError(f"TraceSpace: order={order} must be 0 or more")
+        check_type(body, core.CrackedMesh, "TraceSpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
+        check_whole(order, "TraceSpace: order", 0)
         if nodes is None:
             nodes = [body.MeshNodes(c, order > 0) for c in range(len(body.cracks))]
         elif np.ndim(nodes) == 1 and len(nodes) and np.ndim(nodes[0]) == 0:
             nodes = [nodes]
-        core.NodalTraceBasis(body, order, nodes)  # refuses nodes that do not fit
+        try:
+            core.NodalTraceBasis(body, order, nodes)  # refuses nodes that do not fit
+        except TypeError:
+            raise TypeError(f"TraceSpace: nodes={nodes!r} are no arc lengths, one list of numbers for each crack") from None
         if basis == "nodal" or (basis == "trace" and order == 0):
             functions: core.TraceBasis = core.NodalTraceBasis(body, order, nodes)
         elif basis == "trace":

@@ -97,7 +97,7 @@ def test_profile_shades_the_contact_zone(solution, pyplot):
 def test_profile_of_chosen_quantities(solution, pyplot):
     slip, shear = plotting.plot_profile(solution, quantities=("slip", "shear"))
     assert (slip.get_ylabel(), shear.get_ylabel()) == ("slip $g_t$", "tangential stress $\\sigma_t$")
-    with pytest.raises(KeyError):
+    with pytest.raises(ValueError, match="'opening' is not one of"):
         plotting.plot_profile(solution, quantities=("opening",))
 
 
