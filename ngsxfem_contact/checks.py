@@ -104,8 +104,9 @@ def largest_eigenvalue(A, M, M_inverse, free):
 
 
 def InfSup(V, W, weight=specialcf.mesh_size):
-    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular.
+    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular. Dense algebra of the size of W.
 
+    V: CrackFESpace.    W: TraceSpace on the same body.    Raises ValueError for a weight that is not positive and finite.
     weight: w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
     `analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
     """

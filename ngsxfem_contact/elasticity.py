@@ -27,7 +27,7 @@ class Isotropic(ABC):
         return (self.lam + 3 * self.mu) / (self.lam + self.mu)
 
     def Stress(self, strain):
-        """The 2 × 2 stress of a 2 × 2 strain (a CoefficientFunction of NGSolve)."""
+        """The 2 × 2 stress of a 2 × 2 strain, both CoefficientFunctions, in the unit of lam and mu: (1) of [AHLMR12]."""
         return self.lam * Trace(strain) * Id(2) + 2 * self.mu * strain
 
     @abstractmethod
@@ -41,7 +41,11 @@ class Elasticity(Isotropic):
 
     lam, mu: Lamé's coefficients λ_L, μ_L of plane strain (for plane stress use PlaneStress).
     Several materials in one body: Elasticity.ByRegion(mesh, {"steel": Elasticity(...), "rubber": Elasticity(...)}).
-    Raises ValueError unless mu > 0 and lam + mu > 0: the energy would not be positive.
+    Raises TypeError for what is no number, ValueError unless mu > 0 and lam + mu > 0: the energy would not be positive.
+
+    >>> steel = Elasticity.PlaneStrain(E=210e3, nu=0.3)  # MPa
+    >>> round(steel.lam), round(steel.mu), round(steel.kappa, 2)
+    (121154, 80769, 1.8)
     """
 
     lam: float
@@ -57,19 +61,29 @@ class Elasticity(Isotropic):
 
     @staticmethod
     def PlaneStrain(E, nu):
-        """From Young's modulus E > 0 and Poisson's ratio -1 < nu < 1/2."""
+        """The material of a long body, ε_zz = 0: lam = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
+
+        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1/2.    Raises ValueError outside of these.
+        """
         check_engineering_constants(E, nu, 0.5, "Elasticity.PlaneStrain")
         return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)))
 
     @staticmethod
     def PlaneStress(E, nu):
-        """A thin plate, -1 < nu < 1: lam is replaced by E nu / (1 - nu²)."""
+        """The material of a thin plate, σ_zz = 0: lam = E nu / (1 - nu²), mu = E / (2 (1 + nu)).
+
+        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1.    Raises ValueError outside of these.
+        """
         check_engineering_constants(E, nu, 1, "Elasticity.PlaneStress")
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)))
 
     @staticmethod
     def ByRegion(mesh, materials):
-        """One Elasticity for each region of the mesh: a RegionElasticity."""
+        """A RegionElasticity: one Elasticity for each region (material) of the mesh.
+
+        mesh: of NGSolve.    materials: {name of a region, or a regular expression: Elasticity}.
+        Raises ValueError unless each region is matched by exactly one name, TypeError for other objects.
+        """
         return RegionElasticity(mesh, materials)
 
     def At(self, mesh, point):

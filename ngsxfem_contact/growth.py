@@ -22,6 +22,9 @@ class MaximumHoopStress:
     """Erdogan and Sih (1963): growth at the angle θ where σ_θθ √(2πr) = K_I cos³(θ/2) - 3 K_II cos²(θ/2) sin(θ/2) is largest.
 
     A tip whose faces touch does not grow: contact makes K_I = 0 there. WingCracks lets it kink.
+
+    >>> round(degrees(MaximumHoopStress().Angle(K_I=0, K_II=1)), 2)
+    -70.53
     """
 
     grows_closed = False
@@ -47,7 +50,7 @@ class WingCracks(MaximumHoopStress):
 
 @dataclass(frozen=True)
 class GivenIncrement:
-    """Every tip that grows advances by da."""
+    """Every tip that grows advances by da, a length > 0. Raises ValueError for others."""
 
     da: float
 
@@ -64,6 +67,8 @@ class Paris:
     """da/dN = C (ΔK)^m, ΔK = (1 - ratio) K for loads between ratio and 1 times the given one.
 
     The tip with the largest ΔK advances by da, in da / (C ΔK^m) cycles, the others by what they grow meanwhile.
+    C: > 0, in length / cycle / (stress × √length)^m.    m: > 0.    da: a length > 0.    ratio: of the least to the largest load, 0 ≤ ratio < 1.
+    Raises ValueError for others. Source: Paris and Erdogan (1963).
     """
 
     C: float
@@ -77,7 +82,7 @@ class Paris:
         check_number(self.ratio, "Paris: ratio", lambda ratio: 0 <= ratio < 1, "be at least 0 and less than 1")
 
     def Advances(self, driving):
-        """(advances, cycles)."""
+        """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take."""
         rates = self.C * ((1 - self.ratio) * np.asarray(driving)) ** self.m
         cycles = self.da / rates.max()
         return rates * cycles, float(cycles)
@@ -128,7 +133,7 @@ class CrackGrowth:
         self._ended, self._owed = {}, {}  # by (crack, end): why a tip stopped for good; advance not yet made
 
     def Run(self, steps):
-        """At most so many steps, until no tip grows; returns the table."""
+        """At most so many steps, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
         check_whole(steps, "CrackGrowth: steps", 0)
         for number in range(steps):
             with doing(f"crack growth, step {number + 1} of at most {steps}"):

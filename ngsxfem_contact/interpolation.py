@@ -13,6 +13,7 @@ def Interpolant(V, plus, minus=None, tips=()):
     plus, minus: û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two
         components; minus=None: no jump.    tips: for each tip the coefficients of its functions.
     Returns a GridFunction. With several cracks the same pair is used at each.
+    Raises ValueError for functions that are not finite or have not two components, and for a wrong number of coefficients.
     """
     scalar = V.scalar_space.ndof
     one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
@@ -75,7 +76,11 @@ def _side_of_nearest(cracks, point):
 
 
 def Projection(V, function, bonus_intorder=4):
-    """The L²(Ω∖Γ_C) projection of a CoefficientFunction with two components (which may jump) onto V; a GridFunction."""
+    """The L²(Ω∖Γ_C) projection onto V, a GridFunction.
+
+    V: CrackFESpace.    function: CoefficientFunction with two components, which may jump across the cracks.    bonus_intorder: of the
+    rule for it, default 4.    Raises ValueError for a function that is not finite or has not two components.
+    """
     u, v = V.TnT()
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
     function = check_function(function, "Projection: function", 2)

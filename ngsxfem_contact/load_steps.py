@@ -9,7 +9,10 @@ from .solver import ReducedProblem
 
 
 class LoadCase:
-    """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case."""
+    """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case.
+
+    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite.
+    """
 
     def __init__(self, problem):
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
@@ -53,6 +56,7 @@ class LoadSteps:
         """The ContactSolution for the factors t, one for each case.
 
         start: as for ContactProblem.Solve; default the active set of the step before.    options: cone, r, max_iterations.
+        Raises ValueError unless there is one finite factor for each case.
         Raises NotConverged, for the displacement's own residual when `solution.u` is first used.
         """
         if len(t) != len(self.loads):

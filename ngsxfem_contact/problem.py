@@ -42,6 +42,18 @@ class ContactProblem:
 
     Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test
     function of V. Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
+    Raises TypeError for other objects, ValueError for spaces on different bodies, a negative gap, an unknown cone, and modes of another material.
+
+    >>> from ngsolve import *
+    >>> from netgen.geom2d import unit_square
+    >>> from ngsxfem_contact import *
+    >>> mesh = Mesh(unit_square.GenerateMesh(maxh=0.3))
+    >>> body = CrackedMesh(mesh, Crack([(0, 0.5), (1, 0.5)]))  # from side to side
+    >>> V, W = CrackFESpace(body, order=1, dirichlet="bottom|top"), TraceSpace(body, order=1)
+    >>> problem = ContactProblem(V, W, Elasticity.PlaneStrain(E=100, nu=0))
+    >>> problem.SetDirichlet((0, -0.01), "top")  # presses by 1 %
+    >>> print(f"{problem.Solve().ContactForce():.6f}")
+    -1.000000
     """
 
     def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None):
@@ -97,7 +109,7 @@ class ContactProblem:
         try:
             values = np.broadcast_to(np.asarray(value, dtype=float), len(components))
         except (TypeError, ValueError):
-            raise ValueError(f"Pin: value={value!r} is neither a number nor {len(components)} numbers, one for each of {components!r}") from None
+            raise ValueError(f"Pin: value={value!r} is not a number{', nor two, one for each component' * (len(components) == 2)}") from None
         if not np.isfinite(values).all():
             raise ValueError(f"Pin: value={value} is not finite; give the displacement in the unit of length")
         return values

@@ -14,7 +14,10 @@ from .spaces import crack_points
 
 @dataclass
 class CrackProfile:
-    """Arrays along a crack: arc length s, points x, y, gap g_n, slip g_t, sigma_n = λ ≤ 0, sigma_t."""
+    """Arrays (n,) along a crack, in the user's units of length and stress.
+
+    s: arc length.    x, y: the points.    gap: g_n ≥ 0.    slip: g_t.    sigma_n: λ ≤ 0.    sigma_t: λ_t with friction, see Profile.
+    """
 
     s: np.ndarray
     x: np.ndarray
@@ -71,11 +74,11 @@ class ContactSolution:
         return self.problem.material.Stress(Strain(self.u))
 
     def Energy(self):
-        """½ a(u, u)."""
+        """½ a(u, u), the elastic energy for each unit of thickness: stress × length²."""
         return 0.5 * Integrate(InnerProduct(self.stress, Strain(self.u)) * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
     def ContactForce(self, crack=0):
-        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other."""
+        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length. Raises ValueError for a crack that is not there."""
         return self._along(self.multiplier, crack)
 
     def TangentialForce(self, crack=0):
@@ -97,10 +100,10 @@ class ContactSolution:
         return L if self.tangential_multiplier else np.concatenate([L, np.zeros(len(L))])
 
     def Profile(self, crack=0, n=200):
-        """A CrackProfile at n points from end to end, in the user's units.
+        """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.
 
         sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact
-        frictionless contact makes zero.
+        frictionless contact makes zero.    Raises ValueError for a crack that is not there and for n < 2.
         """
         body = self.body
         check_item(crack, body.cracks, "crack", "body.cracks")
@@ -117,7 +120,7 @@ class ContactSolution:
         return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, TangentialStress(stress, body)(inside).ravel())
 
     def Transitions(self, crack=0):
-        """Arc lengths at which the active set changes along a crack: between two neighbouring nodes the middle."""
+        """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
         return self._changes(self.report.active[-1], crack)
 
     def SlipTransitions(self, crack=0):
@@ -160,13 +163,20 @@ class ContactSolution:
         return self.Energy() - float(self.load.F @ self.u.vec.FV().NumPy())
 
     def Draw(self, **options):
-        """Shows the deformed body with the crack open in a notebook; options as for ngsolve.webgui.Draw."""
+        """Shows the deformed body with the crack open in a notebook.
+
+        options: field, a CoefficientFunction (default: the von Mises stress), scale of the displacement (default: the largest is 5 % of the
+        body), and those of ngsolve.webgui.Draw, see `plotting.draw`.
+        """
         from .plotting import draw
 
         return draw(self, **options)
 
     def SaveVTK(self, path):
-        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name."""
+        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
+
+        path: the ending is added if it is missing. The file appears when it is complete. Raises FileNotFoundError if there is no such folder.
+        """
         from .plotting import save_vtk
 
         return save_vtk(self, path)

@@ -23,9 +23,11 @@ class TipEnrichment:
     material: with an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress
         intensity factors and whose lips are free of traction: 2 unknowns for each tip. Without one, the four scalar
         functions (8) of [AHLMR12] in each component: 8 unknowns.
-    functions: "modes" or "branch" to choose explicitly.
+    functions: "modes" or "branch" (8) to choose explicitly; default: modes with a material.
     tolerance: of the integration rules around the tip, relative to the integral over an element. The default changes the
         mean errors of energy and K by less than a hundredth of themselves (tests/test_contact.py).
+    r0 and r1 are lengths.    Raises ValueError unless 0 <= r0 < r1 < inf, TypeError for a material that is none; CrackFESpace raises
+    for a disk that does not fit the body.
     """
 
     r0: float | None = None
@@ -76,7 +78,8 @@ class CrackFESpace(core.CrackFESpace):
     body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+").
     tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
     dirichlet and further flags: as for NGSolve's spaces.
-    Raises Exception for an unknown boundary, and for a disk that leaves the body or meets another crack.
+    Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has and an unknown
+    boundary, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
 
     def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", **flags):
@@ -114,6 +117,8 @@ class TraceSpace(core.TraceSpace):
     basis="trace": restrictions of mesh functions, redundant ones removed in the paper's two steps.
     nodes: arc lengths from 0 to the crack's length, one list for each crack (one list, if there is one crack):
         a multiplier on nodes of its own (H ≠ h). Integrate over `dcrack` of this space, which respects them.
+    Raises TypeError or ValueError for an order that is no whole number ≥ 0 and another basis, Exception for nodes that do not increase from
+    0 to the length of their crack.    Source: section 4 of [AHLMR12].
     """
 
     def __init__(self, body, order=1, basis="nodal", nodes=None):
