@@ -83,11 +83,11 @@ class ContactSolution:
 
     def TangentialForce(self, crack=0):
         """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction."""
-        return self._along(self.tangential_multiplier, crack) if self.tangential_multiplier else 0.0
+        return self._along(self.tangential_multiplier, crack)
 
     def _along(self, function, crack):
         check_item(crack, self.body.cracks, "crack", "body.cracks")
-        return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh)
+        return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh) if function else 0.0
 
     def FrictionWork(self):
         """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes."""

@@ -20,7 +20,7 @@ static void ExportCrack (py::module & m)
       "points: the corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves,\n"
       "Crack.Join one crack of several.\n"
       "Raises an Exception for coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.\n\n"
-      ">>> crack = Crack([(0, 0), (3, 4)])\n>>> crack.length, crack.PointAt(2.5)\n(5.0, (1.5, 2.0))\n>>> crack.SideOf((0, 1))\n<Side.Plus: 1>")
+      ">>> crack = Crack([(0, 0), (3, 4)])\n>>> crack.length, crack.points\n(5.0, [(0.0, 0.0), (3.0, 4.0)])\n>>> crack.SideOf((0, 1))\n<Side.Plus: 1>")
     .def(py::init(&ToCrack), py::arg("points"))
     .def_static("Arc", [] (Pair start, Pair through, Pair end) { return Crack({ MakeArc(ToPoint(start), ToPoint(through), ToPoint(end)) }); },
                 py::arg("start"), py::arg("through"), py::arg("end"),
