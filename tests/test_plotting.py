@@ -186,7 +186,7 @@ def test_interrupted_vtk_leaves_the_old_file(solution, tmp_path, monkeypatch):
     def interrupted(*args):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(plotting.os, "replace", interrupted)
+    monkeypatch.setattr("ngsxfem_contact.files.os.replace", interrupted)
     with pytest.raises(KeyboardInterrupt):
         plotting.save_vtk(solution, tmp_path / "body.vtu")
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("body.vtu", "before")]
