@@ -104,8 +104,8 @@ class Crack:
     Raises an Exception for coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.
 
     >>> crack = Crack([(0, 0), (3, 4)])
-    >>> crack.length, crack.PointAt(2.5)
-    (5.0, (1.5, 2.0))
+    >>> crack.length, crack.points
+    (5.0, [(0.0, 0.0), (3.0, 4.0)])
     >>> crack.SideOf((0, 1))
     <Side.Plus: 1>
     """
