@@ -47,6 +47,6 @@ def _watch(finished):
     start, last = perf_counter(), ""
     while not finished.wait(PATIENCE):
         line = ": ".join(_doing)
-        if line and line != last:
+        if not last.startswith(line):  # nothing new where only the innermost work has ended
             tell(f"{perf_counter() - start:6.0f} s  {line}")
             last = line

@@ -34,13 +34,16 @@ def test_long_work_is_named_with_the_work_it_is_a_part_of(lines):
         with doing("solving"):
             wait_for(lambda: lines)
         assert lines[-1].endswith("s  growing: solving")
-        wait_for(lambda: lines[-1].endswith("s  growing"))
+        with doing("extending"):
+            wait_for(lambda: lines[-1].endswith("s  growing: extending"))
 
 
 def test_a_line_is_said_once(lines):
     with doing("waiting"):
-        wait_for(lambda: lines)
-        sleep(0.5)
+        with doing("for nothing"):
+            wait_for(lambda: lines)
+            sleep(0.3)
+        sleep(0.3)
     assert len(lines) == 1
 
 
