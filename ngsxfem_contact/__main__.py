@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ngsolve import TaskManager, ngsglobals
 
+from . import progress
 from .errors import SolveError
 from .figures import fitted_rates
 from .figures import write_figures as write_figures_of_study
@@ -19,6 +20,7 @@ JOBS = ("paper", "study")
 
 
 def parse(arguments):
+    """The options of a command line; ends with a message where one makes no sense."""
     parser = argparse.ArgumentParser(
         prog="python -m ngsxfem_contact",
         description="Contact on a crack: the numerical section of Amdouni, Hild, Lleras, Moakher, Renard (ESAIM: M2AN 46, 2012). Without a job: paper.",
@@ -35,12 +37,13 @@ def parse(arguments):
     if not set(arguments[:1]) & {*JOBS, "-h", "--help"}:
         arguments = ["paper", *arguments]
     options = parser.parse_args(arguments)
-    if options.job == "paper":
-        check_paper_options(parser, options)
+    check = {"paper": check_paper_options, "study": check_study_options}[options.job]
+    check(parser, options)
     return options
 
 
 def add_paper_options(parser):
+    """Those of `paper`."""
     parser.description = "A unit square with an edge crack that closes near its tip. Writes a summary, a VTK file with the crack open, and figures."
     parser.add_argument("--h", type=float, default=0.03, help="mesh size in the paper's sense, half the longest edge (default 0.03)")
     parser.add_argument("--pair", choices=PAIRS, default="P2/P1", help="displacement/multiplier (default P2/P1)")
@@ -51,10 +54,11 @@ def add_paper_options(parser):
     parser.add_argument("--gamma0", type=float, help="γ = gamma0 h_T instead of the largest safe γ of each element")
     parser.add_argument("--unstabilised", action="store_true", help="no Barbosa-Hughes terms")
     parser.add_argument("--output", type=Path, default=Path("."), help="folder for the results (default: this one)")
-    parser.add_argument("--no-figures", action="store_true", help="no figures (matplotlib is not needed then)")
+    add_common_options(parser)
 
 
 def check_paper_options(parser, options):
+    """Ends with a message for numbers that no mesh or γ can have."""
     if not 0 < options.h <= 0.5:
         parser.error(f"--h {options.h}: must be positive and at most 0.5")
     if options.gamma0 is not None and not 0 < options.gamma0 < float("inf"):
@@ -63,7 +67,19 @@ def check_paper_options(parser, options):
         parser.error("--gamma0 and --unstabilised exclude each other")
 
 
+def check_study_options(parser, options):
+    """Ends with a message for numbers that no study can have."""
+    for h in options.sizes:
+        if not 0 < h <= 0.5:
+            parser.error(f"--sizes {h}: must be positive and at most 0.5")
+    if options.realisations < 1:
+        parser.error(f"--realisations {options.realisations}: must be 1 or more")
+    if options.cells < 3 or options.cells % 2 == 0:
+        parser.error(f"--cells {options.cells}: must be odd, 3 or more, so that the crack crosses cells")
+
+
 def add_study_options(parser):
+    """Those of `study`."""
     parser.description = "Errors of all pairs on all meshes against a fine P2/P1 solution. Every finished solve is kept: run it again to go on."
     parser.add_argument("--output", type=Path, default=Path("study"), help="folder for the results (default: study)")
     parser.add_argument("--sizes", type=float, nargs="+", default=SIZES, help=f"mesh sizes h of the paper (default {' '.join(map(str, SIZES))})")
@@ -72,7 +88,13 @@ def add_study_options(parser):
     parser.add_argument(
         "--cells", type=int, default=REFERENCE_CELLS, help=f"cells of the reference along a side, odd (default {REFERENCE_CELLS}: the paper's h = 0.0027)"
     )
+    add_common_options(parser)
+
+
+def add_common_options(parser):
+    """What all jobs understand."""
     parser.add_argument("--no-figures", action="store_true", help="no figures (matplotlib is not needed then)")
+    parser.add_argument("--quiet", action="store_true", help="say nothing while it runs")
 
 
 def stress_intensity(solution):
@@ -146,7 +168,7 @@ def write_figures(solution, folder):
 
 def run_study(options):
     """The convergence study: study.jsonl, study.csv, rates.json and figures; the exit code."""
-    study = Study(options.output, options.sizes, options.realisations, options.structured, options.cells)
+    study = Study(options.output, options.sizes, options.realisations, options.structured, options.cells, progress.tell)
     records = study.Run()
     rates = fitted_rates(records)
     text = json.dumps(rates, indent=1)
@@ -174,9 +196,9 @@ def run_paper(options):
     """Solves, writes, and says so; the exit code."""
     options.output.mkdir(parents=True, exist_ok=True)
     stabilisation = None if options.unstabilised else BarbosaHughes(options.gamma0)
-    print(f"meshing with h = {options.h:g} ...", flush=True)
+    progress.tell(f"meshing with h = {options.h:g} ...")
     problem = paper_problem(unstructured_mesh(options.h), options.load, options.pair, stabilisation, options.cone)
-    print(f"solving for {problem.V.ndof} + {problem.W.ndof} unknowns ...", flush=True)
+    progress.tell(f"solving for {problem.V.ndof} + {problem.W.ndof} unknowns ...")
     with TaskManager():
         solution = problem.Solve()
     results = results_of(solution, options)
@@ -198,6 +220,7 @@ def main(arguments=None):
     ngsglobals.msg_level = 0
     try:
         options = parse(arguments)
+        progress.say = None if options.quiet else lambda line: print(line, flush=True)
         return run_study(options) if options.job == "study" else run_paper(options)
     except (SolveError, ImportError, OSError) as error:
         print(f"no answer: {error}", file=sys.stderr)

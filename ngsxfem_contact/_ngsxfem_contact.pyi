@@ -39,6 +39,10 @@ __all__: list[str] = [
 ]
 
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
+    """
+    A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).
+    """
+
     def Points(self, order: int) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
         Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order.
@@ -58,7 +62,11 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
     ) -> CutDifferentialSymbol:
         """
-        The same measure, restricted to a region or to elements or to one crack, with higher order, or with rules on the cracks divided at arc lengths (one list for each crack).
+        The same measure, restricted or refined.
+
+        definedon: a Region, or the name (a regular expression) of materials for dx, of boundaries for ds.    bonus_intorder: added to the order of the rules.
+        definedonelements: BitArray of elements.    crack: number of the only crack.    nodes: arc lengths at which rules on the cracks are divided, one
+        list for each crack.    Raises an Exception for a region that the mesh does not have.
         """
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
@@ -88,7 +96,18 @@ class Side:
 
 class Crack:
     """
-    An oriented curve: Crack(points) a polyline, Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet true curves. Its normal points to the left of the direction of travel, from the minus to the plus side.
+    An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the
+    minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.
+
+    points: the corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves,
+    Crack.Join one crack of several.
+    Raises an Exception for coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.
+
+    >>> crack = Crack([(0, 0), (3, 4)])
+    >>> crack.length, crack.points
+    (5.0, [(0.0, 0.0), (3.0, 4.0)])
+    >>> crack.SideOf((0, 1))
+    <Side.Plus: 1>
     """
 
     @staticmethod
@@ -164,10 +183,14 @@ class Crack:
 
     def PointAt(self, s: float) -> tuple[float, float]:
         """
-        The point at arc length s.
+        The point (x, y) at arc length s, 0 ≤ s ≤ length.
         """
 
-    def SideOf(self, point: tuple[float, float]) -> Side: ...
+    def SideOf(self, point: tuple[float, float]) -> Side:
+        """
+        The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself.
+        """
+
     def TangentAt(self, s: float) -> tuple[float, float]:
         """
         The unit tangent at arc length s.
@@ -181,7 +204,11 @@ class Crack:
         """
 
     @property
-    def length(self) -> float: ...
+    def length(self) -> float:
+        """
+        The arc length from end to end, in the user's unit of length.
+        """
+
     @property
     def pieces(self) -> list[tuple[str, list[tuple[float, float]]]]:
         """
@@ -230,18 +257,45 @@ class ElementKind:
     def value(self) -> int: ...
 
 class Degeneracy:
+    """
+    The special positions of a crack in an element; each holds to within 1e-10 of the smallest element beside the crack.
+    """
+
     @property
-    def along_edge(self) -> bool: ...
+    def along_edge(self) -> bool:
+        """
+        Whether it runs along an edge.
+        """
+
     @property
-    def kink_inside(self) -> bool: ...
+    def kink_inside(self) -> bool:
+        """
+        Whether its direction jumps inside the element.
+        """
+
     @property
-    def through_vertex(self) -> bool: ...
+    def through_vertex(self) -> bool:
+        """
+        Whether the crack passes through a vertex of the element.
+        """
+
     @property
-    def tip_on_edge(self) -> bool: ...
+    def tip_on_edge(self) -> bool:
+        """
+        Whether it ends on an edge.
+        """
+
     @property
-    def tip_on_vertex(self) -> bool: ...
+    def tip_on_vertex(self) -> bool:
+        """
+        Whether it ends in a vertex.
+        """
 
 class Piece:
+    """
+    A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension.
+    """
+
     @property
     def curved(self) -> tuple[float, float] | None:
         """
@@ -249,17 +303,40 @@ class Piece:
         """
 
     @property
-    def side(self) -> Side: ...
+    def side(self) -> Side:
+        """
+        The Side of the crack on which it lies.
+        """
+
     @property
-    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]: ...
+    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]:
+        """
+        The three corners (x, y).
+        """
 
 class ElementLocation:
+    """
+    Where an element lies with respect to the crack that meets it, and its parts on either side.
+    """
+
     @property
-    def arclength(self) -> tuple[float, float]: ...
+    def arclength(self) -> tuple[float, float]:
+        """
+        Arc lengths at which the crack enters and leaves it.
+        """
+
     @property
-    def area_minus(self) -> float: ...
+    def area_minus(self) -> float:
+        """
+        The area of its part on the minus side.
+        """
+
     @property
-    def area_plus(self) -> float: ...
+    def area_plus(self) -> float:
+        """
+        The area of its part on the plus side.
+        """
+
     @property
     def chords(self) -> list[tuple[float, float]]:
         """
@@ -267,23 +344,46 @@ class ElementLocation:
         """
 
     @property
-    def degeneracy(self) -> Degeneracy: ...
-    @property
-    def element(self) -> int: ...
-    @property
-    def h(self) -> float:
+    def degeneracy(self) -> Degeneracy:
         """
-        longest edge
+        The special positions that hold.
         """
 
     @property
-    def kind(self) -> ElementKind: ...
+    def element(self) -> int:
+        """
+        The number of the element in the mesh.
+        """
+
     @property
-    def larger(self) -> Side: ...
+    def h(self) -> float:
+        """
+        The longest edge h_T, in the user's unit of length.
+        """
+
     @property
-    def pieces(self) -> list[Piece]: ...
+    def kind(self) -> ElementKind:
+        """
+        Its ElementKind: Cut, Tip or Aligned.
+        """
+
     @property
-    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]: ...
+    def larger(self) -> Side:
+        """
+        The Side of its larger part, Plus for equal ones: the part whose stress is R_h.
+        """
+
+    @property
+    def pieces(self) -> list[Piece]:
+        """
+        The Pieces into which the crack divides it; one for an aligned element.
+        """
+
+    @property
+    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]:
+        """
+        The three corners (x, y) of the element.
+        """
 
 class EndKind:
     """
@@ -309,12 +409,27 @@ class EndKind:
     def value(self) -> int: ...
 
 class CrackEnd:
+    """
+    An end of a crack in a mesh.
+    """
+
     @property
-    def kind(self) -> EndKind: ...
+    def kind(self) -> EndKind:
+        """
+        Its EndKind: Tip inside the body, Mouth on its boundary.
+        """
+
     @property
-    def point(self) -> tuple[float, float]: ...
+    def point(self) -> tuple[float, float]:
+        """
+        Its place (x, y).
+        """
+
     @property
-    def s(self) -> float: ...
+    def s(self) -> float:
+        """
+        Its arc length: 0 or the length of the crack.
+        """
 
 class Tip:
     """
@@ -322,21 +437,51 @@ class Tip:
     """
 
     @property
-    def ahead(self) -> tuple[float, float]: ...
+    def ahead(self) -> tuple[float, float]:
+        """
+        The unit direction in which the crack would grow straight on.
+        """
+
     @property
-    def clearance(self) -> float: ...
+    def clearance(self) -> float:
+        """
+        The largest radius of a disk of singular functions: the least of the distances to the boundary, to other cracks and to the next kink, of
+        half the distance to other tips and of half the radius of curvature.
+        """
+
     @property
-    def crack(self) -> int: ...
+    def crack(self) -> int:
+        """
+        The number of its crack in body.cracks.
+        """
+
     @property
-    def limit(self) -> str: ...
+    def limit(self) -> str:
+        """
+        What sets the clearance, in words.
+        """
+
     @property
-    def point(self) -> tuple[float, float]: ...
+    def point(self) -> tuple[float, float]:
+        """
+        Its place (x, y).
+        """
+
     @property
-    def s(self) -> float: ...
+    def s(self) -> float:
+        """
+        Its arc length: 0 or the length of the crack.
+        """
 
 class CrackedMesh:
     """
-    A mesh with cracks. dx: Omega without the cracks; ds: its boundary, both sides at a mouth; dcrack: the cracks; dlarger: the larger part of each element that a crack meets.
+    A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
+
+    mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined afterwards: build a new CrackedMesh then.
+    Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the
+    larger part of each element that a crack meets. Each may be restricted: body.ds("left|right").
+    Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet
+    each other or the same element.
     """
 
     def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
@@ -344,13 +489,21 @@ class CrackedMesh:
         BitArray of the elements that carry a part of a crack (None: of any).
         """
 
-    def CutBoundaryElements(self, crack: int) -> list[int]: ...
-    def Elements(self, crack: int) -> list[ElementLocation]:
+    def CutBoundaryElements(self, crack: int) -> list[int]:
         """
-        The elements that a crack meets.
+        Numbers of the boundary elements that a crack cuts.
         """
 
-    def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]: ...
+    def Elements(self, crack: int) -> list[ElementLocation]:
+        """
+        The ElementLocations of the elements that a crack meets.
+        """
+
+    def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]:
+        """
+        The two CrackEnds of a crack, its start first.
+        """
+
     def MeshNodes(self, crack: int, kinks: bool) -> list[float]:
         """
         Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).
@@ -358,31 +511,68 @@ class CrackedMesh:
 
     def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple:
         """
-        Element numbers and reference coordinates of points on a crack.
+        (elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.
         """
 
     def __init__(self, mesh: ngsolve.comp.Mesh, *args) -> None: ...
     @property
-    def cracks(self) -> list[Crack]: ...
+    def cracks(self) -> list[Crack]:
+        """
+        The Cracks, in the order in which they were given.
+        """
+
     @property
-    def dcrack(self) -> CutDifferentialSymbol: ...
+    def dcrack(self) -> CutDifferentialSymbol:
+        """
+        The measure on the cracks.
+        """
+
     @property
-    def dlarger(self) -> CutDifferentialSymbol: ...
+    def dlarger(self) -> CutDifferentialSymbol:
+        """
+        The measure on the larger part of each element that a crack meets.
+        """
+
     @property
-    def ds(self) -> CutDifferentialSymbol: ...
+    def ds(self) -> CutDifferentialSymbol:
+        """
+        The measure on the boundary, divided at mouths.
+        """
+
     @property
-    def dx(self) -> CutDifferentialSymbol: ...
+    def dx(self) -> CutDifferentialSymbol:
+        """
+        The measure on the body without the cracks.
+        """
+
     @property
-    def mesh(self) -> ngsolve.comp.Mesh: ...
+    def mesh(self) -> ngsolve.comp.Mesh:
+        """
+        The mesh of NGSolve.
+        """
+
     @property
-    def normal(self) -> ngsolve.fem.CoefficientFunction: ...
+    def normal(self) -> ngsolve.fem.CoefficientFunction:
+        """
+        The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.
+        """
+
     @property
-    def tangent(self) -> ngsolve.fem.CoefficientFunction: ...
+    def tangent(self) -> ngsolve.fem.CoefficientFunction:
+        """
+        The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack.
+        """
+
     @property
-    def tips(self) -> list[Tip]: ...
+    def tips(self) -> list[Tip]:
+        """
+        The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.
+        """
 
 class CutOff:
     """
+    The cut-off χ of the tip functions: cubic is C¹, quintic C².
+
     Members:
 
       cubic
@@ -404,6 +594,8 @@ class CutOff:
 
 class TipBasis:
     """
+    The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.
+
     Members:
 
       branch
@@ -424,44 +616,103 @@ class TipBasis:
     def value(self) -> int: ...
 
 class TipSpec:
+    """
+    What a space needs to know at one tip; TipEnrichment makes it.
+    """
+
     def __init__(self, basis: TipBasis, cutoff: CutOff, r0: float, r1: float, kappa: float, mu: float) -> None: ...
     @property
-    def basis(self) -> TipBasis: ...
+    def basis(self) -> TipBasis:
+        """
+        The TipBasis.
+        """
+
     @property
-    def cutoff(self) -> CutOff: ...
+    def cutoff(self) -> CutOff:
+        """
+        The CutOff.
+        """
+
     @property
-    def kappa(self) -> float: ...
+    def kappa(self) -> float:
+        """
+        Kolosov's constant of the material at the tip; of modes only.
+        """
+
     @property
-    def mu(self) -> float: ...
+    def mu(self) -> float:
+        """
+        The shear modulus at the tip; of modes only.
+        """
+
     @property
-    def r0(self) -> float: ...
+    def r0(self) -> float:
+        """
+        χ = 1 for r ≤ r0, a length.
+        """
+
     @property
-    def r1(self) -> float: ...
+    def r1(self) -> float:
+        """
+        χ = 0 for r ≥ r1, a length.
+        """
 
 class CrackFESpace(ngsolve.comp.FESpace):
+    """
+    The enriched space; ngsxfem_contact.CrackFESpace builds it from a TipEnrichment. Unknowns in this order: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the
+    same for y, the tips.
+    """
+
     def Heaviside(self, j: int) -> tuple[int, int]:
         """
-        Number i of the j-th enriched function phi_i, and its shift s_i.
+        (i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.
         """
 
-    def HeavisideDof(self, j: int, component: int) -> int: ...
-    def HeavisideSide(self, j: int, element: int) -> int: ...
-    def TipDofs(self, tip: int) -> list[int]: ...
+    def HeavisideDof(self, j: int, component: int) -> int:
+        """
+        The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y).
+        """
+
+    def HeavisideSide(self, j: int, element: int) -> int:
+        """
+        The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere.
+        """
+
+    def TipDofs(self, tip: int) -> list[int]:
+        """
+        The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.
+        """
+
     def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **kwargs) -> None: ...
     @property
-    def body(self) -> CrackedMesh: ...
+    def body(self) -> CrackedMesh:
+        """
+        The CrackedMesh.
+        """
+
     @property
-    def num_heaviside(self) -> int: ...
+    def num_heaviside(self) -> int:
+        """
+        The number of Heaviside functions of one component.
+        """
+
     @property
-    def order(self) -> int: ...
+    def order(self) -> int:
+        """
+        The order k of the functions φ_i.
+        """
+
     @property
     def scalar_space(self) -> ngsolve.comp.FESpace:
         """
-        The space of the functions phi_i.
+        The scalar space of the functions φ_i.
         """
 
     @property
-    def tip_specs(self) -> list[TipSpec | None]: ...
+    def tip_specs(self) -> list[TipSpec | None]:
+        """
+        For each of body.tips its TipSpec, or None where there are no tip functions.
+        """
 
 class CrackBilinearForm(ngsolve.comp.BilinearForm):
     """
@@ -472,11 +723,23 @@ class CrackBilinearForm(ngsolve.comp.BilinearForm):
     def __init__(self, space: CrackFESpace, name: str = "crack_form", **kwargs) -> None: ...
 
 class TraceSpace(ngsolve.comp.FESpace):
+    """
+    The space of multipliers on the cracks; ngsxfem_contact.TraceSpace builds it from a name.
+    """
+
     def __init__(self, body: CrackedMesh, basis: TraceBasis, order: int) -> None: ...
     @property
-    def basis(self) -> TraceBasis: ...
+    def basis(self) -> TraceBasis:
+        """
+        The TraceBasis.
+        """
+
     @property
-    def body(self) -> CrackedMesh: ...
+    def body(self) -> CrackedMesh:
+        """
+        The CrackedMesh.
+        """
+
     @property
     def dcrack(self) -> CutDifferentialSymbol:
         """
@@ -484,19 +747,46 @@ class TraceSpace(ngsolve.comp.FESpace):
         """
 
     @property
-    def order(self) -> int: ...
+    def order(self) -> int:
+        """
+        The order of the functions.
+        """
 
 class TraceBasis:
+    """
+    The functions of a TraceSpace, and where they live.
+    """
+
     @property
-    def ndof(self) -> int: ...
+    def ndof(self) -> int:
+        """
+        The number of functions.
+        """
+
     @property
-    def nodes(self) -> list[list[float]]: ...
+    def nodes(self) -> list[list[float]]:
+        """
+        Arc lengths of the nodes, one list for each crack.
+        """
 
 class NodalTraceBasis(TraceBasis):
-    def DofPositions(self, crack: int) -> list[float]: ...
+    """
+    Lagrange functions between nodes: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.
+    Raises an Exception for nodes that do not increase from 0 to the length of each crack.
+    """
+
+    def DofPositions(self, crack: int) -> list[float]:
+        """
+        The arc length to which each function of a crack belongs.
+        """
+
     def __init__(self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]]) -> None: ...
 
 class MeshTraceBasis(TraceBasis):
+    """
+    Restrictions to the cracks of the P_j functions of the mesh, but for those of the numbers left_out, on which the others must not depend.
+    """
+
     def __init__(
         self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...

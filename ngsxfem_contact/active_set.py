@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arguments import check_positive
 from .errors import NotConverged
 
 ROUND_OFF = 1e-12
@@ -26,6 +27,7 @@ class ActiveSetResult:
 
     @property
     def iterations(self):
+        """Sets that were tried, the first one among them."""
         return len(self.active)
 
 
@@ -37,12 +39,11 @@ def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
     If a set comes back (a cycle) a method that decreases the energy at every step takes over, see descend.
     Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
     """
-    if not 0 < r < float("inf"):
-        raise ValueError(f"r={r} must be positive and finite")
+    check_positive(r, "r")
     r = r / np.diag(Q)
     active = np.zeros(len(q), dtype=bool) if start is None else np.array(start, dtype=bool)
     if active.shape != q.shape:
-        raise ValueError(f"start has {active.size} entries, there are {len(q)} nodal signs")
+        raise ValueError(f"start has {active.size} entries, there are {len(q)} nodal signs; give one boolean for each, or a ContactSolution")
     history = [active]
     seen = {active.tobytes()}
     for _ in range(max_iterations):
@@ -56,7 +57,9 @@ def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
             return descend(Q, q, history)
         seen.add(new.tobytes())
         active = new
-    raise NotConverged(f"the active set still changed after {max_iterations} iterations (sizes {[int(a.sum()) for a in history[-5:]]})")
+    raise NotConverged(
+        f"the active set still changed after {max_iterations} iterations (sizes {[int(a.sum()) for a in history[-5:]]}): allow more by max_iterations=..., or give a better start=..."
+    )
 
 
 def coarse_start(Q, q, smallest=4):
@@ -101,7 +104,7 @@ def descend(Q, q, history):
             return ActiveSetResult(p, history + [active.copy()], step)
         active[np.argmax(w)] = True
         p, active = move_to_equilibrium(Q, q, p, active)
-    raise NotConverged(f"the active set cycles, and {100 * len(q)} steps of descent were not enough")
+    raise NotConverged(f"the active set cycles, and {100 * len(q)} steps of descent were not enough: refine or change the mesh where the crack is")
 
 
 def move_to_equilibrium(Q, q, p, active):

@@ -2,9 +2,10 @@
 
     python -m ngsxfem_contact.analysis
 
-Closed forms and their letters are those of docs/method.md, section 7. Rates are slopes of means over rotated and shifted bodies.
+Closed forms and their letters are those of `closed_forms`. Rates are slopes of means over rotated and shifted bodies.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from math import pi
@@ -251,7 +252,8 @@ def tip_rows():
 
 def inf_sup_rows(sizes=(0.088, 0.057, 0.03, 0.016), realisations=REALISATIONS + 1):
     """Dependence of the inf-sup constants on h and on the cuts; bounded below: the least of all > 0.1 of the first median."""
-    for name, constant in {"β_h, weight h": lambda *key: inf_sup(*key)[0], "β_h, weight ℓ": local_inf_sup}.items():
+    constants: dict[str, Callable[[str, float, int], float]] = {"β_h, weight h": lambda *key: inf_sup(*key)[0], "β_h, weight ℓ": local_inf_sup}
+    for name, constant in constants.items():
         for pair in PAIRS:
             values = np.array([[constant(pair, h, i) for i in range(realisations)] for h in sizes])
             medians = np.median(values, axis=1)

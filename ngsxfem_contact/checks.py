@@ -9,6 +9,7 @@ from .connectivity import VertexCopies
 from .elimination import Elimination
 from .errors import NotCoercive, SingularSystem
 from .operators import NormalGap, Strain
+from .progress import doing
 from .spaces import mask, to_scipy
 from .stabilisation import squared_traces
 
@@ -24,7 +25,7 @@ def check_data(system, problem):
             raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
     gap = system.G[: system.nodes.ndof]
     if (gap < -1e-12 * np.abs(gap).max()).any():
-        raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first")
+        raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
 
 
 def check_rigid_motions(problem):
@@ -82,7 +83,8 @@ def Coercivity(problem):
     K_gamma = to_scipy(
         BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body, problem.friction.components) * body.dcrack).Assemble().mat
     )
-    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
+    with doing(f"smallest eigenvalue of K - K_γ against K, {V.ndof} unknowns"):
+        return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
 
 
 def largest_eigenvalue(A, M, M_inverse, free):
@@ -102,8 +104,9 @@ def largest_eigenvalue(A, M, M_inverse, free):
 
 
 def InfSup(V, W, weight=specialcf.mesh_size):
-    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular.
+    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular. Dense algebra of the size of W.
 
+    V: CrackFESpace.    W: TraceSpace on the same body.    Raises ValueError for a weight that is not positive and finite.
     weight: w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
     `analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
     """
@@ -114,5 +117,7 @@ def InfSup(V, W, weight=specialcf.mesh_size):
     B = to_scipy(coupling.Assemble().mat)
     H1 = BilinearForm((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx, symmetric=True).Assemble().mat
     M = to_scipy(BilinearForm(weight * lam * mu * W.dcrack).Assemble().mat).toarray()
+    if not (np.diag(M) > 0).all() or not np.isfinite(M).all():
+        raise ValueError("InfSup: weight must be positive and finite on the whole crack")
     S = Elimination(H1, V, V.FreeDofs(), B).S
     return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

@@ -40,7 +40,7 @@ def scaling_blocks(V):
 
 
 def ConditionNumber(problem):
-    """Of K - K_γ after CrackScaling, on the free unknowns of a ContactProblem, by Lanczos.
+    """The condition number of K - K_γ after CrackScaling, on the free unknowns of a ContactProblem, by Lanczos.
 
     Raises SingularSystem if rigid motions are left free.
     """

@@ -1,20 +1,25 @@
 """Isotropic linear elasticity in the plane: (1) of [AHLMR12]."""
 
 import re
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import isfinite
 
-from ngsolve import VOL, ElementId, Id, Trace
+from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace
 
-
-def check_engineering_constants(E, nu, limit):
-    """Raises ValueError unless E > 0 and -1 < nu < limit."""
-    if not (0 < E < float("inf") and -1 < nu < limit):
-        raise ValueError(f"E={E}, nu={nu}: Young's modulus must be positive, Poisson's ratio between -1 and {limit}")
+from .arguments import INFINITY, check_number, check_type
 
 
-class Isotropic:
+def check_engineering_constants(E, nu, limit, name):
+    """Raises ValueError unless 0 < E < inf and -1 < nu < limit."""
+    check_number(E, f"{name}: E", lambda E: 0 < E < INFINITY, "be positive and finite (Young's modulus)")
+    check_number(nu, f"{name}: nu", lambda nu: -1 < nu < limit, f"lie between -1 and {limit} (Poisson's ratio)")
+
+
+class Isotropic(ABC):
     """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu."""
+
+    lam: float | CoefficientFunction
+    mu: float | CoefficientFunction
 
     @property
     def kappa(self):
@@ -22,8 +27,12 @@ class Isotropic:
         return (self.lam + 3 * self.mu) / (self.lam + self.mu)
 
     def Stress(self, strain):
-        """The 2 × 2 stress of a 2 × 2 strain (a CoefficientFunction of NGSolve)."""
+        """The 2 × 2 stress of a 2 × 2 strain, both CoefficientFunctions, in the unit of lam and mu: (1) of [AHLMR12]."""
         return self.lam * Trace(strain) * Id(2) + 2 * self.mu * strain
+
+    @abstractmethod
+    def At(self, mesh, point) -> "Elasticity":
+        """The Elasticity at a point of the mesh."""
 
 
 @dataclass(frozen=True)
@@ -32,15 +41,19 @@ class Elasticity(Isotropic):
 
     lam, mu: Lamé's coefficients λ_L, μ_L of plane strain (for plane stress use PlaneStress).
     Several materials in one body: Elasticity.ByRegion(mesh, {"steel": Elasticity(...), "rubber": Elasticity(...)}).
-    Raises ValueError unless mu > 0 and lam + mu > 0: the energy would not be positive.
+    Raises TypeError for what is no number, ValueError unless mu > 0 and lam + mu > 0: the energy would not be positive.
+
+    >>> steel = Elasticity.PlaneStrain(E=210e3, nu=0.3)  # MPa
+    >>> round(steel.lam), round(steel.mu), round(steel.kappa, 2)
+    (121154, 80769, 1.8)
     """
 
     lam: float
     mu: float
 
     def __post_init__(self):
-        if not (isfinite(self.lam) and isfinite(self.mu)):
-            raise ValueError(f"Elasticity(lam={self.lam}, mu={self.mu}): both must be finite numbers")
+        check_number(self.lam, "Elasticity: lam")
+        check_number(self.mu, "Elasticity: mu")
         if self.mu <= 0 or self.lam + self.mu <= 0:
             raise ValueError(
                 f"Elasticity(lam={self.lam}, mu={self.mu}): the energy is positive only for mu > 0 and lam + mu > 0; check the sign and the Poisson ratio"
@@ -48,19 +61,29 @@ class Elasticity(Isotropic):
 
     @staticmethod
     def PlaneStrain(E, nu):
-        """From Young's modulus E > 0 and Poisson's ratio -1 < nu < 1/2."""
-        check_engineering_constants(E, nu, 0.5)
+        """The material of a long body, ε_zz = 0: lam = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
+
+        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1/2.    Raises ValueError outside of these.
+        """
+        check_engineering_constants(E, nu, 0.5, "Elasticity.PlaneStrain")
         return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)))
 
     @staticmethod
     def PlaneStress(E, nu):
-        """A thin plate, -1 < nu < 1: lam is replaced by E nu / (1 - nu²)."""
-        check_engineering_constants(E, nu, 1)
+        """The material of a thin plate, σ_zz = 0: lam = E nu / (1 - nu²), mu = E / (2 (1 + nu)).
+
+        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1.    Raises ValueError outside of these.
+        """
+        check_engineering_constants(E, nu, 1, "Elasticity.PlaneStress")
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)))
 
     @staticmethod
     def ByRegion(mesh, materials):
-        """One Elasticity for each region of the mesh: a RegionElasticity."""
+        """A RegionElasticity: one Elasticity for each region (material) of the mesh.
+
+        mesh: of NGSolve.    materials: {name of a region, or a regular expression: Elasticity}.
+        Raises ValueError unless each region is matched by exactly one name, TypeError for other objects.
+        """
         return RegionElasticity(mesh, materials)
 
     def At(self, mesh, point):
@@ -76,11 +99,16 @@ class RegionElasticity(Isotropic):
     """
 
     def __init__(self, mesh, materials):
+        check_type(mesh, Mesh, "Elasticity.ByRegion: mesh", "a Mesh of NGSolve")
+        check_type(materials, dict, "Elasticity.ByRegion: materials", "a dictionary {name of a region: Elasticity}")
         for name, material in materials.items():
             if not isinstance(material, Elasticity):
                 raise TypeError(f"Elasticity.ByRegion: {name!r} has the material {material!r}, which is not an Elasticity")
         names = mesh.GetMaterials()
-        matches = {region: [name for name in materials if re.fullmatch(name, region)] for region in names}
+        try:
+            matches = {region: [name for name in materials if re.fullmatch(name, region)] for region in names}
+        except re.error as error:
+            raise ValueError(f"Elasticity.ByRegion: {error.pattern!r} is no regular expression ({error}); escape special characters by \\") from None
         for region, found in matches.items():
             if len(found) != 1:
                 raise ValueError(

@@ -2,16 +2,23 @@
 
 
 class SolveError(RuntimeError):
-    """There is no answer that can be trusted."""
+    """There is no answer that can be trusted: what all exceptions of a solve have in common."""
 
 
 class NotConverged(SolveError):
-    """An iteration stopped before its goal."""
+    """An iteration stopped before its goal, or its result does not satisfy the equations; the message says which and what may help.
+
+    With Coulomb friction there may be no solution at all, see `Coulomb`.
+    """
 
 
 class SingularSystem(SolveError):
-    """The system has no unique solution: rigid motions are free, or multipliers that no displacement feels."""
+    """The system has no unique solution.
+
+    Either rigid motions of the body, or of a part that cracks cut off, are free (hold it by dirichlet=... or Pin), or there are
+    multipliers that no displacement feels (stabilise, or take another pair of orders).
+    """
 
 
 class NotCoercive(SolveError):
-    """K - K_γ is not positive: γ is too large."""
+    """K - K_γ, (13) of [AHLMR12], is not positive: gamma0 is too large. The message names a bound; BarbosaHughes() chooses γ itself."""

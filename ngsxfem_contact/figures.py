@@ -8,9 +8,9 @@ import functools
 import os
 import tempfile
 import textwrap
-from collections import namedtuple
 from contextlib import suppress
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +24,17 @@ STYLE = {
 PAIR_STYLES = {"P2/P1": ("#0072B2", "o"), "P2/P0": ("#D55E00", "s"), "P1+/P1": ("#009E73", "^"), "P1/P1": ("#CC79A7", "D"), "P1/P0": ("#E69F00", "v")}
 NAMES = {"L2": "displacement, $L^2(\\Omega)$", "H1": "displacement, $H^1(\\Omega)$", "multiplier": "multiplier, $L^2(\\Gamma_C)$"}
 SLOPES = {"L2": (2, 2.5), "H1": (1, 1.5), "multiplier": (0.5, 1)}  # drawn for comparison
-Curve = namedtuple("Curve", "x mean low high missing")  # over the realisations at each x; missing: (x, how many, of how many, why)
 REASONS = {"SingularSystem": "singular", "NotConverged": "not converged", "NotCoercive": "not coercive", "zero": "zero"}
+
+
+class Curve(NamedTuple):
+    """Over the realisations at each x; missing: (x, how many, of how many, why)."""
+
+    x: np.ndarray
+    mean: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    missing: list
 
 
 class NoRecords(ValueError):
@@ -65,7 +74,8 @@ def curve(records, value, against="h"):
         if len(found) < len(runs):
             reason = runs[np.flatnonzero(~np.isfinite(values))[0]].get("reason") or ""
             missing.append((x, len(runs) - len(found), len(runs), REASONS.get(reason.split(":")[0], "no answer")))
-    return Curve(*np.array(points).reshape(-1, 4).T, missing)
+    x, mean, low, high = np.array(points).reshape(-1, 4).T
+    return Curve(x, mean, low, high, missing)
 
 
 def slope(c):

@@ -1,4 +1,4 @@
-"""Stress intensity factors and energy release rates: section 7 of docs/method.md.
+"""Stress intensity factors and energy release rates: section 9 of docs/method.md.
 
 All are values of one symmetric form of two equilibrated fields a, b at a tip with the direction e ahead,
 
@@ -16,6 +16,7 @@ import numpy as np
 from ngsolve import BitArray, IfPos, InnerProduct, Integrate
 
 from . import _ngsxfem_contact as core
+from .arguments import check_item, check_number, check_whole
 from .operators import Gradient, NormalGap, NormalStress, Slip, Strain
 from .spaces import crack_points
 from .split_mesh import mesh_arrays
@@ -37,7 +38,7 @@ class StressIntensityFactors:
     K_II: float
     error: float = float("nan")
     radii: tuple = ()
-    by_radius: np.ndarray = field(default=None, repr=False)
+    by_radius: np.ndarray | None = field(default=None, repr=False)
     modes: tuple | None = None
 
     def __iter__(self):
@@ -194,8 +195,7 @@ def disks(frame, material, radius):
     room, limit = frame.Clearance(material)
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
-    if not radius > 0:
-        raise ValueError(f"the radius {radius} of the domain at the tip {frame.tip.point} must be positive")
+    check_number(radius, f"the domain at the tip {frame.tip.point}: radius", lambda radius: radius > 0, "be positive")
     if not radius < room:
         raise ValueError(f"the domain of radius {radius:.4g} at the tip {frame.tip.point} meets {limit} at the distance {room:.4g}; choose a smaller radius")
     if radius < 2 * frame.h:
@@ -224,7 +224,8 @@ class InteractionIntegral:
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
         first, second = pressures(solution)
         doubt = [0.5 * scale * abs(integrals[0].OfPressure(first - second, mode)) for mode in modes]
-        return StressIntensityFactors(*map(float, K[0]), float(max(*np.ptp(K, axis=0), *doubt)), radii, K, mode_coefficients(solution, tip))
+        error = float(max(*np.ptp(K, axis=0), *doubt))
+        return StressIntensityFactors(float(K[0, 0]), float(K[0, 1]), error, radii, K, mode_coefficients(solution, tip))
 
 
 @dataclass(frozen=True)
@@ -240,7 +241,8 @@ class ModeCoefficients:
         modes = mode_coefficients(solution, tip)
         if modes is None:
             raise ValueError(f"StressIntensity: the space has no modes at tip {tip}; build it with tip=TipEnrichment(material=material)")
-        return StressIntensityFactors(*modes, modes=modes)
+        K_I, K_II = modes
+        return StressIntensityFactors(K_I, K_II, modes=modes)
 
 
 @dataclass(frozen=True)
@@ -248,6 +250,9 @@ class JumpExtrapolation:
     """K_I, K_II from jump/√r = A + B r, least squares from half an element to eight elements behind the tip."""
 
     points: int = 40
+
+    def __post_init__(self):
+        check_whole(self.points, "JumpExtrapolation: points", 2)
 
     def Evaluate(self, solution, tip):
         """Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent."""
@@ -259,7 +264,7 @@ class JumpExtrapolation:
         jumps = np.column_stack([f(points).ravel() for f in (NormalGap(solution.u, body), Slip(solution.u, body))])
         A = np.linalg.lstsq(np.column_stack([np.ones_like(r), r]), jumps / np.sqrt(r)[:, None], rcond=None)[0][0]
         K = A * np.sqrt(2 * np.pi) * material.mu / (material.kappa + 1)
-        return StressIntensityFactors(*map(float, K), modes=mode_coefficients(solution, tip))
+        return StressIntensityFactors(float(K[0]), float(K[1]), modes=mode_coefficients(solution, tip))
 
 
 METHODS = {"interaction": InteractionIntegral, "modes": ModeCoefficients, "jump": JumpExtrapolation}
@@ -276,11 +281,13 @@ def mode_coefficients(solution, tip):
 
 def stress_intensity(solution, tip, method, radius):
     """What ContactSolution.StressIntensity documents."""
-    check_tip(solution, tip)
+    check_item(tip, solution.body.tips, "tip", "body.tips")
     if isinstance(method, str):
         if method not in METHODS:
             raise ValueError(f"StressIntensity: method={method!r} is not one of {list(METHODS)}")
         method = METHODS[method]()
+    elif not hasattr(method, "Evaluate") or isinstance(method, type):
+        raise TypeError(f"StressIntensity: method={method!r} is neither one of {list(METHODS)} nor an object such as InteractionIntegral()")
     if radius is not None:
         if not isinstance(method, InteractionIntegral):
             raise ValueError(f"StressIntensity: radius={radius} goes with method='interaction' only")
@@ -290,17 +297,10 @@ def stress_intensity(solution, tip, method, radius):
 
 def energy_release_rate(solution, tip, radius):
     """What ContactSolution.EnergyReleaseRate documents."""
-    check_tip(solution, tip)
+    check_item(tip, solution.body.tips, "tip", "body.tips")
     material, frame = material_at(solution, tip), TipFrame(solution.body, tip)
     K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
     irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
     u, radii = solution_field(solution, frame), disks(frame, solution.problem.material, radius)
     G = np.array([0.5 * TipIntegral(solution.problem.W, frame, r)(u, u) for r in radii])
     return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)
-
-
-def check_tip(solution, tip):
-    """Raises ValueError if there is no such tip."""
-    tips = solution.body.tips
-    if not 0 <= tip < len(tips):
-        raise ValueError(f"there is no tip {tip}; body.tips has {len(tips)}: {list(tips)}")

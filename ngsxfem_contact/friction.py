@@ -1,9 +1,10 @@
-"""Laws of contact and friction on the crack: section 8 of docs/method.md.
+"""Laws of contact and friction on the crack: section 7 of docs/method.md.
 
 The tangential multiplier λ_t approximates σ_t = t·σn. It has the sign of the slip g_t = jump(u)·t: the plus side is
 pulled by -σn, against its motion relative to the minus side.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from ngsolve import CoefficientFunction
 from scipy.linalg import block_diag
 
 from .active_set import solve_active_set
+from .arguments import INFINITY, check_function, check_number, check_positive
 from .nodal_newton import FixedPoint, FullNewton, Threshold, first_states, uniqueness_number, violation
 from .operators import NORMAL, TANGENTIAL
 from .spaces import crack_points
@@ -34,20 +36,21 @@ class Frictionless:
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
 
 
-class Friction:
+class Friction(ABC):
     """What Tresca and Coulomb share: a normal and a tangential multiplier, and nodal states."""
+
+    method: FullNewton | FixedPoint
 
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
 
     def Solve(self, Q, q, W, cone, report, r, start, max_iterations):
         """p = (p_n, p_t); books its iterations in the report.    start: nodes in contact at first."""
-        if not 0 < r < float("inf"):
-            raise ValueError(f"r={r} must be positive and finite")
+        check_positive(r, "r")
         threshold = self.Threshold(W, cone)
         contact = np.array(start, dtype=bool)
         if contact.shape != (len(q) // 2,):
-            raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs")
+            raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs; give one boolean for each, or a ContactSolution")
         result = self.method.Solve(Q, q, threshold, r / np.diag(Q), first_states(Q, q, threshold, contact), max_iterations)
         report.iterations, report.fallback, report.method = result.iterations, result.fallback, result.method
         report.active = [states.contact for states in result.states]
@@ -55,6 +58,14 @@ class Friction:
         report.threshold_changes = result.threshold_changes
         report.uniqueness = self.Uniqueness(Q, threshold)
         return result.p
+
+    @abstractmethod
+    def Threshold(self, W, cone):
+        """The `nodal_newton.Threshold` of the tangential multiplier at the nodes of W."""
+
+    @abstractmethod
+    def Uniqueness(self, Q, threshold) -> float | None:
+        """A number below 1 proves that there is one solution; None: not known."""
 
     def Violation(self, p, w, scale, W, cone):
         """The largest violation of the nodal conditions, for p and w divided by their scales."""
@@ -76,7 +87,7 @@ class Tresca(Friction):
     method = FullNewton()
 
     def __post_init__(self):
-        check_number(self.s, "Tresca: s")
+        check_threshold(self.s, "Tresca: s")
 
     def Threshold(self, W, cone):
         """s at the nodes, or ∫sψ_i for the weak cone."""
@@ -101,8 +112,8 @@ class Coulomb(Friction):
     method: FullNewton | FixedPoint = FullNewton()
 
     def __post_init__(self):
-        check_number(self.mu_f, "Coulomb: mu_f")
-        if not hasattr(self.method, "Solve"):
+        check_threshold(self.mu_f, "Coulomb: mu_f")
+        if not hasattr(self.method, "Solve") or isinstance(self.method, type):
             raise TypeError(f"Coulomb: method={self.method!r} is neither FullNewton() nor FixedPoint()")
 
     def Threshold(self, W, cone):
@@ -114,15 +125,11 @@ class Coulomb(Friction):
         return uniqueness_number(Q, threshold.slope)
 
 
-def check_number(value, name):
-    """Raises for a number that is negative or not finite, and for what is not a number or function."""
-    if isinstance(value, CoefficientFunction):
-        if value.dim != 1:
-            raise ValueError(f"{name} has {value.dim} components, it must be a scalar")
-    elif not np.isscalar(value) or isinstance(value, str):
-        raise TypeError(f"{name}={value!r} is neither a number nor a CoefficientFunction")
-    elif not 0 <= value < float("inf"):
-        raise ValueError(f"{name}={value} must be a finite number >= 0")
+def check_threshold(value, name):
+    """Raises for a number that is negative or not finite, and for what is neither a number nor a scalar function."""
+    check_function(value, name, 1)
+    if not isinstance(value, CoefficientFunction):
+        check_number(value, name, lambda number: 0 <= number < INFINITY, "be a finite number >= 0")
 
 
 def checked_values(W, function, name):

@@ -1,9 +1,13 @@
 """Curved cracks from points, parametrised curves and level sets: Crack.Spline, Crack.Curve, Crack.LevelSet."""
 
+from collections.abc import Callable
+
 import numpy as np
+from ngsolve import Mesh
 from scipy.interpolate import CubicSpline
 
 from ._ngsxfem_contact import Crack
+from .arguments import check_function, check_number, check_positive, check_type
 
 ENDS = ("not-a-knot", "natural")
 
@@ -13,15 +17,20 @@ def of_spline(spline):
     t, p, d = spline.x, spline(spline.x), spline(spline.x, 1)
     h = np.diff(t)[:, None]
     pieces = np.stack([p[:-1], h * d[:-1], p[1:], h * d[1:]], axis=1)
-    return Crack.OfPieces([("cubic", [tuple(map(float, q)) for q in piece]) for piece in pieces])
+    return Crack.OfPieces([("cubic", [(float(x), float(y)) for x, y in piece]) for piece in pieces])
 
 
 def checked(points, name):
-    points = np.asarray(points, dtype=float)
+    """Points as an array (n, 2); raises ValueError for what is none, and for coordinates that are not finite."""
+    try:
+        points = np.asarray(points, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {points!r} are no points (x, y)") from None
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
         raise ValueError(f"{name}: give at least two points (x, y), got an array of shape {points.shape}")
     if not np.isfinite(points).all():
-        raise ValueError(f"{name}: point {int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])} is not finite")
+        i = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
+        raise ValueError(f"{name}: point {i} is {tuple(points[i].tolist())}; coordinates must be finite")
     return points
 
 
@@ -49,6 +58,10 @@ def curve(function, t0, t1, tolerance=1e-12, max_pieces=4096):
     function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
     Raises ValueError if max_pieces pieces do not reach the tolerance.
     """
+    check_type(function, Callable, "Crack.Curve: function", "a function of a number that returns two coordinates")
+    check_number(t0, "Crack.Curve: t0")
+    check_number(t1, "Crack.Curve: t1", lambda t1: t0 < t1 < float("inf"), f"be finite and larger than t0={t0}")
+    check_positive(tolerance, "Crack.Curve: tolerance")
     at = lambda t: checked([function(float(ti)) for ti in t], "Crack.Curve")
     n, t = 8, np.linspace(t0, t1, 9)
     points = at(t)
@@ -77,6 +90,10 @@ def level_set(mesh, phi, psi=None, tolerance=1e-10, max_points=4096):
     Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
     zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
     """
+    check_type(mesh, Mesh, "Crack.LevelSet: mesh", "a Mesh of NGSolve")
+    check_positive(tolerance, "Crack.LevelSet: tolerance")
+    phi = check_function(phi, "Crack.LevelSet: phi", 1)
+    psi = None if psi is None else check_function(psi, "Crack.LevelSet: psi", 1)
     chain = LevelSetChain(mesh, phi, psi).Points()
     length = np.hypot(*np.diff(chain.points, axis=0).T).sum()
     return chain.Fitted(tolerance * length, max_points)
@@ -89,7 +106,15 @@ class LevelSetChain:
         self.mesh, self.phi, self.psi = mesh, phi, psi
 
     def Value(self, cf, points):
-        return np.ravel(cf(self.mesh(*np.asarray(points, dtype=float).T)))
+        """Of a function at points (n, 2); raises ValueError where it is not finite."""
+        points = np.asarray(points, dtype=float)
+        values = np.ravel(cf(self.mesh(*points.T)))
+        if not np.isfinite(values).all():
+            i = int(np.flatnonzero(~np.isfinite(values))[0])
+            raise ValueError(
+                f"Crack.LevelSet: {'psi' if cf is self.psi else 'phi'} is {values[i]} at {tuple(points[i].tolist())}; it must be finite in the body"
+            )
+        return values
 
     def Points(self):
         """Finds them where φ = 0 crosses edges, cut off at ψ = 0."""
@@ -107,6 +132,8 @@ class LevelSetChain:
                 neighbours[pair[0]].append(pair[1])
                 neighbours[pair[1]].append(pair[0])
         branches = [branch for chain in chains(neighbours) for branch in self.Inside(np.array([crossing[edge] for edge in chain]))]
+        if not branches:
+            raise ValueError("Crack.LevelSet: psi is nowhere negative on phi = 0, so that no crack is left; the crack is where psi < 0")
         if len(branches) != 1:
             places = "; ".join(f"from {tuple(b[0].round(6).tolist())} to {tuple(b[-1].round(6).tolist())}" for b in branches)
             raise ValueError(f"Crack.LevelSet: {len(branches)} branches of phi = 0, psi < 0 ({places}); choose psi so that one is left")
@@ -222,4 +249,5 @@ def without_short_chords(points):
     return np.array([*kept, points[-1]])
 
 
-Crack.Spline, Crack.Curve, Crack.LevelSet = staticmethod(spline), staticmethod(curve), staticmethod(level_set)
+for name, constructor in (("Spline", staticmethod(spline)), ("Curve", staticmethod(curve)), ("LevelSet", staticmethod(level_set))):
+    setattr(Crack, name, constructor)

@@ -1,4 +1,4 @@
-"""Growth of cracks step by step, contact active throughout, on one mesh: docs/method.md, section 8."""
+"""Growth of cracks step by step, contact active throughout, on one mesh: docs/method.md, section 9."""
 
 import csv
 from dataclasses import dataclass
@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from ._ngsxfem_contact import Crack, CrackedMesh
+from .arguments import check_number, check_positive, check_whole
 from .files import write_whole
+from .progress import doing
 from .spaces import crack_points
 from .tip_fields import TipFrame
 
@@ -20,6 +22,9 @@ class MaximumHoopStress:
     """Erdogan and Sih (1963): growth at the angle θ where σ_θθ √(2πr) = K_I cos³(θ/2) - 3 K_II cos²(θ/2) sin(θ/2) is largest.
 
     A tip whose faces touch does not grow: contact makes K_I = 0 there. WingCracks lets it kink.
+
+    >>> round(degrees(MaximumHoopStress().Angle(K_I=0, K_II=1)), 2)
+    -70.53
     """
 
     grows_closed = False
@@ -45,12 +50,12 @@ class WingCracks(MaximumHoopStress):
 
 @dataclass(frozen=True)
 class GivenIncrement:
-    """Every tip that grows advances by da."""
+    """Every tip that grows advances by da, a length > 0. Raises ValueError for others."""
 
     da: float
 
     def __post_init__(self):
-        _check_positive(self, "da")
+        check_positive(self.da, "GivenIncrement: da")
 
     def Advances(self, driving):
         """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted."""
@@ -62,6 +67,8 @@ class Paris:
     """da/dN = C (ΔK)^m, ΔK = (1 - ratio) K for loads between ratio and 1 times the given one.
 
     The tip with the largest ΔK advances by da, in da / (C ΔK^m) cycles, the others by what they grow meanwhile.
+    C: > 0, in length / cycle / (stress × √length)^m.    m: > 0.    da: a length > 0.    ratio: of the least to the largest load, 0 ≤ ratio < 1.
+    Raises ValueError for others. Source: Paris and Erdogan (1963).
     """
 
     C: float
@@ -71,21 +78,14 @@ class Paris:
 
     def __post_init__(self):
         for name in ("C", "m", "da"):
-            _check_positive(self, name)
-        if not 0 <= self.ratio < 1:
-            raise ValueError(f"Paris: ratio={self.ratio} must be at least 0 and less than 1")
+            check_positive(getattr(self, name), f"Paris: {name}")
+        check_number(self.ratio, "Paris: ratio", lambda ratio: 0 <= ratio < 1, "be at least 0 and less than 1")
 
     def Advances(self, driving):
-        """(advances, cycles)."""
+        """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take."""
         rates = self.C * ((1 - self.ratio) * np.asarray(driving)) ** self.m
         cycles = self.da / rates.max()
         return rates * cycles, float(cycles)
-
-
-def _check_positive(law, name):
-    value = getattr(law, name)
-    if not 0 < value < float("inf"):
-        raise ValueError(f"{type(law).__name__}: {name}={value} must be positive")
 
 
 @dataclass
@@ -120,8 +120,11 @@ class CrackGrowth:
     """
 
     def __init__(self, make_problem, cracks, law, criterion=MaximumHoopStress(), toughness=0.0):
-        if not (0 <= toughness < float("inf")):
-            raise ValueError(f"CrackGrowth: toughness={toughness} must be a finite number >= 0")
+        check_number(toughness, "CrackGrowth: toughness", lambda toughness: 0 <= toughness < float("inf"), "be a finite number >= 0")
+        if not callable(make_problem):
+            raise TypeError(f"CrackGrowth: make_problem={make_problem!r} is not a function of a list of cracks that returns a ContactProblem")
+        if not isinstance(cracks, (list, tuple)) or not cracks or not all(isinstance(crack, Crack) for crack in cracks):
+            raise TypeError(f"CrackGrowth: cracks={cracks!r} is not a list of one or more cracks")
         if not hasattr(law, "Advances") or not (hasattr(criterion, "Angle") and hasattr(criterion, "Driving")):
             raise TypeError(f"CrackGrowth: law={law!r} needs Advances, criterion={criterion!r} needs Angle and Driving")
         self.make_problem, self.cracks, self.law, self.criterion, self.toughness = make_problem, list(cracks), law, criterion, toughness
@@ -130,15 +133,20 @@ class CrackGrowth:
         self._ended, self._owed = {}, {}  # by (crack, end): why a tip stopped for good; advance not yet made
 
     def Run(self, steps):
-        """At most so many steps, until no tip grows; returns the table."""
-        for _ in range(steps):
-            if not any(row.advance for row in self.Step()):
-                break
+        """At most so many steps, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
+        check_whole(steps, "CrackGrowth: steps", 0)
+        for number in range(steps):
+            with doing(f"crack growth, step {number + 1} of at most {steps}"):
+                if not any(row.advance for row in self.Step()):
+                    break
         return self.table
 
     def Step(self):
         """One solve and one growth; returns the TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
-        solution = self.make_problem(self.cracks).Solve()
+        problem = self.make_problem(self.cracks)
+        if not hasattr(problem, "Solve"):
+            raise TypeError(f"CrackGrowth: make_problem returned {problem!r}; it must return a ContactProblem")
+        solution = problem.Solve()
         rows = [self._evaluate(solution, number) for number in range(len(solution.body.tips))]
         growing = [row for row in rows if not row.state]
         if growing:
@@ -156,7 +164,8 @@ class CrackGrowth:
         """Factors and driving force of a tip; a state if it does not grow."""
         tip = solution.body.tips[number]
         crack, end = tip.crack, ENDS[int(tip.s > 0)]
-        row = TipStep(len(self.solutions), crack, end, *tip.point, solution.body.cracks[crack].length, state=self._ended.get((crack, end), ""))
+        (x, y), length = tip.point, solution.body.cracks[crack].length
+        row = TipStep(len(self.solutions), crack, end, x, y, length, state=self._ended.get((crack, end), ""))
         if row.state:
             return row
         try:
@@ -237,6 +246,8 @@ class CrackGrowth:
         """Writes the opened body of every step as an animated GIF (needs matplotlib with pillow); returns the path."""
         from .plotting import animate
 
+        if not self.solutions:
+            raise ValueError("CrackGrowth: there is no step to show; call Run(steps) first")
         titles = [f"step {i}, " + ", ".join(f"K_I {r.K_I:.3g}  K_II {r.K_II:.2g}" for r in self.rows if r.step == i) for i in range(len(self.solutions))]
         return animate(self.solutions, path, titles, scale, seconds)
 

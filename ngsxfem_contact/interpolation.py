@@ -1,8 +1,9 @@
 """Functions of V_h from given ones: Definition 3.1 of [AHLMR12], and the L² projection."""
 
 import numpy as np
-from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, CoefficientFunction, GridFunction, LinearForm, NodeId, VectorH1
+from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunction, LinearForm, NodeId, VectorH1
 
+from .arguments import check_function
 from .elimination import Elimination
 
 
@@ -12,9 +13,10 @@ def Interpolant(V, plus, minus=None, tips=()):
     plus, minus: û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two
         components; minus=None: no jump.    tips: for each tip the coefficients of its functions.
     Returns a GridFunction. With several cracks the same pair is used at each.
+    Raises ValueError for functions that are not finite or have not two components, and for a wrong number of coefficients.
     """
     scalar = V.scalar_space.ndof
-    one_sided = [_smooth(V, f) for f in (plus, minus if minus is not None else plus)]
+    one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
     u = GridFunction(V)
     vec = u.vec.FV().NumPy()
     sides = _own_sides(V)
@@ -25,15 +27,25 @@ def Interpolant(V, plus, minus=None, tips=()):
             dof, _ = V.Heaviside(j)
             vec[V.HeavisideDof(j, component)] = of_plus[dof] - of_minus[dof]
     for tip, coefficients in enumerate(tips):
-        vec[V.TipDofs(tip)] = coefficients
+        dofs = V.TipDofs(tip)
+        if np.shape(coefficients) != (len(dofs),) or not np.isfinite(coefficients).all():
+            raise ValueError(f"Interpolant: tips[{tip}]={coefficients!r} are not {len(dofs)} finite numbers, one for each function at tip {tip}")
+        vec[dofs] = coefficients
     return u
 
 
-def _smooth(V, function):
+def _smooth(V, function, name):
     """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
     plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
-    plain.Set(CoefficientFunction(function), dual=True)
-    return plain.vec.FV().NumPy().copy()
+    plain.Set(check_function(function, f"Interpolant: {name}", 2), dual=True)
+    return finite(plain.vec.FV().NumPy().copy(), f"Interpolant: {name}")
+
+
+def finite(values, name):
+    """The values; raises ValueError unless all are finite."""
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} is not finite (NaN or inf) somewhere in the body")
+    return values
 
 
 def _scalar_flags(V):
@@ -64,12 +76,17 @@ def _side_of_nearest(cracks, point):
 
 
 def Projection(V, function, bonus_intorder=4):
-    """The L²(Ω∖Γ_C) projection of a CoefficientFunction with two components (which may jump) onto V; a GridFunction."""
+    """The L²(Ω∖Γ_C) projection onto V, a GridFunction.
+
+    V: CrackFESpace.    function: CoefficientFunction with two components, which may jump across the cracks.    bonus_intorder: of the
+    rule for it, default 4.    Raises ValueError for a function that is not finite or has not two components.
+    """
     u, v = V.TnT()
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
-    load = LinearForm(CoefficientFunction(function) * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec
+    function = check_function(function, "Projection: function", 2)
+    load = finite(LinearForm(function * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec.FV().NumPy(), "Projection: function")
     result = GridFunction(V)
     everything = BitArray(V.ndof)
     everything.Set()
-    result.vec.FV().NumPy()[:] = Elimination(mass, V, everything).SolveRefined(load.FV().NumPy())
+    result.vec.FV().NumPy()[:] = Elimination(mass, V, everything).SolveRefined(load)
     return result

@@ -54,7 +54,7 @@ class AppliedLoad:
 
 def tested(term, values, elements):
     """A linear form's integrals inside some elements, its test function replaced: values by the name of the operator."""
-    operator = lambda proxy: re.search(r"diffop = (\w*)", str(proxy)).group(1)
+    operator = lambda proxy: re.findall(r"diffop = (\w*)", str(proxy))[0]
     if not hasattr(term, "GetProxies"):
         raise ValueError(f"load: {term!r} is no symbolic form such as force*v*body.dx; add those to problem.f, to evaluate it on a given field")
     term = core.InnerIntegrals(term, elements)

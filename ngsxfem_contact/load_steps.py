@@ -2,19 +2,25 @@
 
 import numpy as np
 
+from .arguments import check_number, check_type
 from .load import AppliedLoad
+from .progress import doing
 from .solver import ReducedProblem
 
 
 class LoadCase:
-    """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case."""
+    """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case.
+
+    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite.
+    """
 
     def __init__(self, problem):
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
         self.applied = AppliedLoad.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
-        if not np.isfinite(np.append(self.F, self.given)).all():
-            raise ValueError("LoadCase: a load or a given displacement is not finite (NaN or inf)")
+        for values, what in ((self.F, "the load `f`"), (self.given, "a given displacement")):
+            if not np.isfinite(values).all():
+                raise ValueError(f"LoadCase: {what} of the problem is not finite (NaN or inf); check its coefficient functions on the whole body")
 
 
 class LoadSteps:
@@ -37,20 +43,26 @@ class LoadSteps:
     """
 
     def __init__(self, problem, cases=None, inverse=None):
-        self.reduced = ReducedProblem(problem, inverse)
+        for case in cases or ():
+            check_type(case, LoadCase, "LoadSteps: a case", "a LoadCase(problem)")
+        with doing("load steps"):
+            self.reduced = ReducedProblem(problem, inverse)
         self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied) for case in cases]
         if not self.loads:
-            raise ValueError("LoadSteps: there is no load case")
+            raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")
         self.last = None
 
     def Solve(self, *t, start=None, **options):
         """The ContactSolution for the factors t, one for each case.
 
         start: as for ContactProblem.Solve; default the active set of the step before.    options: cone, r, max_iterations.
+        Raises ValueError unless there is one finite factor for each case.
         Raises NotConverged, for the displacement's own residual when `solution.u` is first used.
         """
         if len(t) != len(self.loads):
-            raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.loads)} load case(s)")
+            raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.loads)} load case(s); give one factor for each")
+        for i, factor in enumerate(t):
+            check_number(factor, f"LoadSteps: the factor of load case {i}, t")
         load = t[0] * self.loads[0]
         for factor, case in zip(t[1:], self.loads[1:]):
             load = load + factor * case

@@ -19,6 +19,7 @@ from ngsolve import CoefficientFunction, ElementId, GridFunction, Sym
 from scipy.sparse import block_diag, csr_matrix, diags, vstack
 from scipy.sparse.linalg import spsolve
 
+from .arguments import check_number, check_positive, check_whole
 from .cones import Nonpositive
 from .operators import NORMAL
 from .problem import ContactSystem, stiffness_form
@@ -45,9 +46,11 @@ class Nitsche:
     def __post_init__(self):
         if self.theta not in (-1, 0, 1):
             raise ValueError(f"Nitsche: theta={self.theta} is not one of -1, 0, 1")
-        if self.points is not None and self.points < 1:
-            raise ValueError(f"Nitsche: points={self.points} must be 1 or more")
-        self._barbosa_hughes  # checks gamma0 and coercivity
+        if self.points is not None:
+            check_whole(self.points, "Nitsche: points", 1)
+        if self.gamma0 is not None:
+            check_positive(self.gamma0, "Nitsche: gamma0")
+        check_number(self.coercivity, "Nitsche: coercivity", lambda coercivity: 0 < coercivity < 1, "lie between 0 and 1")
 
     @property
     def _barbosa_hughes(self):
@@ -138,6 +141,7 @@ class GivenJump:
     jump: CoefficientFunction
 
     def Operator(self, name):
+        """The jump, whatever the operator."""
         return self.jump
 
 
@@ -146,7 +150,7 @@ class NitscheSystem(ContactSystem):
 
     def _assemble(self, problem):
         if not isinstance(problem.cone, Nonpositive):
-            raise ValueError("Nitsche: the law holds at points; cone='weak' belongs to a multiplier")
+            raise ValueError("Nitsche: the law holds at points; cone='weak' belongs to a multiplier, leave the cone at 'nonpositive'")
         V, method, components = problem.V, problem.stabilisation, problem.friction.components
         self.theta = method.theta
         self.nodes = nodes = CrackPoints(problem.body, method.points or V.order + 3)

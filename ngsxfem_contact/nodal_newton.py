@@ -21,6 +21,7 @@ import numpy as np
 from scipy.linalg import eigvalsh
 
 from .active_set import ROUND_OFF
+from .arguments import check_positive, check_whole
 from .errors import NotConverged
 
 FREE, SLIP_PLUS, SLIP_MINUS, STICK = 0, 1, -1, 2
@@ -74,6 +75,7 @@ class NodalResult:
 
     @property
     def iterations(self):
+        """Sets of states that were tried, the first one among them."""
         return len(self.states)
 
 
@@ -148,7 +150,10 @@ def newton(Q, q, threshold, r, start, max_iterations):
             raise Cycle(history, "a set of states came back")
         seen.add(new.key)
         states = new
-    raise NotConverged(f"the nodal states still changed after {max_iterations} iterations (in contact {[int(s.contact.sum()) for s in history[-5:]]})")
+    sizes = [int(s.contact.sum()) for s in history[-5:]]
+    raise NotConverged(
+        f"the nodal states still changed after {max_iterations} iterations (in contact {sizes}): allow more by max_iterations=..., or give a better start=..."
+    )
 
 
 def least_index(Q, q, threshold, states):
@@ -173,7 +178,7 @@ def least_index(Q, q, threshold, states):
             contact[i] ^= True
         else:
             tangential[i] = np.sign(p_t[i]) if stick[i] else STICK
-    raise NotConverged("the nodal states cycle and changing them one by one did not end")
+    raise NotConverged("the nodal states cycle and changing them one by one did not end: take smaller load steps, or change the mesh where the crack is")
 
 
 def fixed_threshold(Q, q, s, r, start, max_iterations):
@@ -196,6 +201,10 @@ class FixedPoint:
     tolerance: float = 1e-12
     max_iterations: int = 200
 
+    def __post_init__(self):
+        check_positive(self.tolerance, "FixedPoint: tolerance")
+        check_whole(self.max_iterations, "FixedPoint: max_iterations", 1)
+
     def Solve(self, Q, q, threshold, r, start, max_iterations):
         """A NodalResult; raises NotConverged where the thresholds do not settle."""
         m = len(start.contact)
@@ -210,8 +219,9 @@ class FixedPoint:
             if changes[-1] <= self.tolerance:
                 return self._finished(Q, q, threshold, r, NodalResult(result.p, history, fallback, threshold_changes=changes))
         raise NotConverged(
-            f"the fixed point on the threshold changed it by {changes[-1]:.1e} in step {len(changes)}, by {changes[-2]:.1e} before: "
-            "it does not contract, and the friction law may have no or several solutions for this friction coefficient and mesh"
+            f"the fixed point on the threshold still changed it, relatively by {' '.join(f'{change:.1e}' for change in changes[-3:])} in the last of "
+            f"{len(changes)} steps: if that does not contract, the friction law may have no or several solutions for this friction coefficient "
+            "and mesh; if it does, allow more by FixedPoint(max_iterations=...)"
         )
 
     def _finished(self, Q, q, threshold, r, result):

@@ -14,22 +14,26 @@ SIDES = ("plus", "minus", "larger")
 
 
 def Plus(u):
-    """The limit u⁺ on the crack; u: trial, test or GridFunction of a CrackFESpace."""
+    """The limit u⁺ on the crack, a vector with 2 components; u: trial function, test function or GridFunction of a CrackFESpace."""
     return u.Operator("plus")
 
 
 def Minus(u):
-    """The limit u⁻ on the crack."""
+    """The limit u⁻ on the crack, a vector with 2 components; u as for Plus."""
     return u.Operator("minus")
 
 
 def Jump(u):
-    """u⁺ - u⁻ on the crack, a vector."""
+    """u⁺ - u⁻ on the crack, a vector with 2 components; u as for Plus."""
     return u.Operator("jump")
 
 
 def Gradient(u, side=None):
-    """The matrix ∂_j u_i at a point, or on the crack from "plus", "minus" or the "larger" part of the element."""
+    """The 2 × 2 matrix ∂_j u_i.
+
+    side: None (default), by the position of the point; on the crack "plus", "minus", or "larger": from the polynomial of the larger part of
+    the element, as in R_h of (12) of [AHLMR12].    Raises ValueError for another side.
+    """
     if side is None:
         return Grad(u)
     if side not in SIDES:
@@ -43,22 +47,22 @@ def Strain(u, side=None):
 
 
 def NormalGap(u, body):
-    """g_n = jump(u)·n, in the user's unit of length; negative: interpenetration."""
+    """g_n = jump(u)·n, in the user's unit of length; negative: interpenetration. body: CrackedMesh. [AHLMR12] writes -⟦u_n⟧."""
     return InnerProduct(Jump(u), body.normal)
 
 
 def Slip(u, body):
-    """g_t = jump(u)·t."""
+    """g_t = jump(u)·t, in the user's unit of length: the plus side moves along t by g_t more than the minus side. body: CrackedMesh."""
     return InnerProduct(Jump(u), body.tangent)
 
 
 def NormalStress(stress, body):
-    """σ_n = n·σn of a 2 × 2 stress on the crack."""
+    """σ_n = n·σn of a 2 × 2 stress on the crack, in its unit; ≤ 0 in compression. body: CrackedMesh."""
     return InnerProduct(stress * body.normal, body.normal)
 
 
 def TangentialStress(stress, body):
-    """σ_t = t·σn."""
+    """σ_t = t·σn of a 2 × 2 stress on the crack, in its unit. body: CrackedMesh."""
     return InnerProduct(stress * body.normal, body.tangent)
 
 

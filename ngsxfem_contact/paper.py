@@ -1,11 +1,12 @@
 """The test of section 4 of [AHLMR12]: Ω = ]0,1[ × ]-½,½[, Γ_C = ]0,½[ × {0}, loads A, B, C and A/4, a quarter of A's traction.
 
-Finding 2 of docs/method.md: the load as printed in the paper (A) opens the crack on its whole length; its authors'
+docs/paper.md: the load as printed in the paper (A) opens the crack on its whole length; its authors'
 program applies B (later C), whose contact pressure and gap depend on the body force only.
 """
 
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, cos, sin, specialcf, x, y
@@ -29,7 +30,7 @@ TRACTION = {
 
 
 # Boundary-fitted hp solutions, independent of this package: ½a(u,u), ∫λ, end of the opening (arc length), K_I and K_II.
-REFERENCE = {
+REFERENCE: dict[str, dict[str, Any]] = {
     "A/4": {"energy": 2.9008736e-4, "contact_force": -0.00567768, "transition": 0.365140, "K_I": 0.0, "K_II": 0.0},
     "A": {"energy": 0.00117393376, "contact_force": 0.0, "transition": None, "K_I": 0.0457374, "K_II": 0.0},
     "B": {"energy": 3.40135917e-4, "contact_force": -0.01035791, "transition": 0.2641001, "K_I": 0.0, "K_II": -0.00790112},

@@ -1,14 +1,14 @@
 """Pictures and VTK with the crack open and sharp, on the split mesh."""
 
-import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 from ngsolve import CF, VTKOutput, sqrt
 
+from .arguments import check_number, check_positive
 from .files import write_whole
 from .operators import Minus, Plus, Strain
+from .progress import doing
 from .split_mesh import SplitMesh, mesh_arrays
 
 LIPS = {1: ("plus lip", "tab:red"), -1: ("minus lip", "tab:blue")}
@@ -29,13 +29,17 @@ def split_displacement(solution):
     return split, split.Evaluate(Plus(u), Minus(u), u)
 
 
-def visible_scale(split, displacement):
-    """The factor, of two digits, that shows the largest displacement as 5 % of the body's size."""
+def visible_scale(split, displacement, scale=None):
+    """A given factor, or that of two digits which shows the largest displacement as 5 % of the body's size; raises ValueError unless it is finite."""
+    if scale is not None:
+        check_number(scale, "scale")
+        return scale
     largest = np.linalg.norm(displacement, axis=1).max()
     return float(f"{0.05 * np.ptp(split.points, axis=0).max() / largest:.2g}") if largest > 0 else 1.0
 
 
 def pyplot():
+    """matplotlib.pyplot; raises ImportError that says how to install it."""
     try:
         import matplotlib.pyplot as plt
     except ImportError:
@@ -44,6 +48,7 @@ def pyplot():
 
 
 def legend_below(ax):
+    """The legend, under the axes and their label."""
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
 
 
@@ -65,7 +70,7 @@ def plot_body(solution, ax=None, scale=None, field=None, label="von Mises stress
     The colours leave out the least and the largest 2 % of the values.
     """
     split, u = split_displacement(solution)
-    scale = visible_scale(split, u) if scale is None else scale
+    scale = visible_scale(split, u, scale)
     ax = ax or pyplot().subplots(layout="constrained")[1]
     values, (low, high) = shown_values(solution, split, field)
     shape = split.points + scale * u
@@ -92,8 +97,11 @@ PROFILES = {
 
 def plot_profile(solution, crack=0, ax=None, quantities=("pressure", "gap")):
     """Quantities along a crack, the contact zone shaded: "pressure" -λ, "gap", "slip", "shear". ax: one axes for each. Returns them."""
+    for quantity in quantities:
+        if quantity not in PROFILES:
+            raise ValueError(f"plot_profile: quantities={quantities!r}: {quantity!r} is not one of {list(PROFILES)}")
     profile = solution.Profile(crack=crack, n=400)
-    axes = np.ravel(pyplot().subplots(len(quantities), 1, sharex=True, layout="constrained")[1] if ax is None else ax)
+    axes = list(np.ravel(pyplot().subplots(len(quantities), 1, sharex=True, layout="constrained")[1] if ax is None else ax))
     pressure = -np.asarray(profile.sigma_n)
     contact = pressure > 1e-8 * np.abs(pressure).max()
     for axis, quantity in zip(axes, quantities):
@@ -140,6 +148,8 @@ def save_vtk(solution, path):
     The file appears when it is complete: an interrupted run leaves none, or the one before.
     """
     path = Path(path)
+    if not path.name:
+        raise ValueError(f"SaveVTK: {str(path)!r} is not the name of a file")
     path = path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
     split, u = split_displacement(solution)
     stress = solution.problem.material.Stress(Strain(solution.u))
@@ -147,10 +157,8 @@ def save_vtk(solution, path):
     scalars = CF((von_mises(solution.problem.material, Strain(solution.u)), stress[0, 0], stress[1, 1], stress[0, 1]))
     values, side = split.EvaluateInside(scalars), np.repeat(split.side, 3).reshape(-1, 3, 1)
     fields = [CF((split.GridFunction(u), 0)), *(split.GridFunction(values[..., [i]]) for i in range(4)), split.GridFunction(side)]
-    with tempfile.TemporaryDirectory(dir=path.absolute().parent, prefix=f".{path.name}.") as folder:
-        VTKOutput(split.mesh, fields, ["displacement", *names, "side"], filename=os.path.join(folder, "split")).Do()
-        os.replace(os.path.join(folder, "split.vtu"), path)
-    return str(path)
+    write = lambda temporary: VTKOutput(split.mesh, fields, ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()
+    return str(write_whole(path, write))
 
 
 def draw(solution, field=None, scale=None, **options):
@@ -164,7 +172,7 @@ def draw(solution, field=None, scale=None, **options):
 
     split, u = split_displacement(solution)
     values, (low, high) = shown_values(solution, split, field)
-    scale = visible_scale(split, u) if scale is None else scale
+    scale = visible_scale(split, u, scale)
     defaults = {"order": 1, "autoscale": False, "min": float(low), "max": float(high), "settings": {"Objects": {"Wireframe": False}}}
     # scaled here: Draw applies its own scale to no deformation that is a function
     return Draw(split.GridFunction(values), split.mesh, "field", deformation=split.GridFunction(scale * u), **defaults | options)
@@ -175,15 +183,17 @@ def animate(solutions, path, titles, scale=None, seconds=0.5):
     plt = pyplot()
     from matplotlib.animation import PillowWriter
 
+    check_positive(seconds, "seconds")
     scale = scale or min(visible_scale(*split_displacement(solution)) for solution in solutions)
     figure = plt.figure(figsize=(6, 6), layout="constrained")
 
     def write(temporary):
         with PillowWriter(fps=1 / seconds).saving(figure, temporary, dpi=80) as frames:
-            for solution, title in zip(solutions, titles):
-                figure.clear()
-                plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
-                frames.grab_frame()
+            for number, (solution, title) in enumerate(zip(solutions, titles)):
+                with doing(f"picture {number + 1} of {len(solutions)} of {Path(path).name}"):
+                    figure.clear()
+                    plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
+                    frames.grab_frame()
 
     try:
         return str(write_whole(Path(path), write))

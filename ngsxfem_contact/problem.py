@@ -1,11 +1,14 @@
 """The data of a contact problem: (12) of [AHLMR12] and its matrices (38)."""
 
+from numbers import Real
+
 import numpy as np
 from ngsolve import VERTEX, BilinearForm, BitArray, CoefficientFunction, GridFunction, InnerProduct, LinearForm, NodeId, Parameter
 from scipy.sparse import block_diag, csr_matrix, vstack
 from scipy.sparse.linalg import splu
 
 from . import _ngsxfem_contact as core
+from .arguments import INFINITY, check_function, check_number, check_type
 from .cones import CONES
 from .elasticity import Isotropic
 from .friction import Friction, Frictionless
@@ -39,18 +42,33 @@ class ContactProblem:
 
     Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test
     function of V. Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
+    Raises TypeError for other objects, ValueError for spaces on different bodies, a negative gap, an unknown cone, and modes of another material.
+
+    >>> from ngsolve import *
+    >>> from netgen.geom2d import unit_square
+    >>> from ngsxfem_contact import *
+    >>> mesh = Mesh(unit_square.GenerateMesh(maxh=0.3))
+    >>> body = CrackedMesh(mesh, Crack([(0, 0.5), (1, 0.5)]))  # from side to side
+    >>> V, W = CrackFESpace(body, order=1, dirichlet="bottom|top"), TraceSpace(body, order=1)
+    >>> problem = ContactProblem(V, W, Elasticity.PlaneStrain(E=100, nu=0))
+    >>> problem.SetDirichlet((0, -0.01), "top")  # presses by 1 %
+    >>> print(f"{problem.Solve().ContactForce():.6f}")
+    -1.000000
     """
 
     def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None):
+        check_type(V, core.CrackFESpace, "ContactProblem: V", "a CrackFESpace")
+        check_type(W, core.TraceSpace, "ContactProblem: W", "a TraceSpace")
         if V.body is not W.body:
             raise ValueError("ContactProblem: V and W belong to different CrackedMesh objects; build both on one body")
-        if cone not in CONES:
+        if cone not in list(CONES):
             raise ValueError(f"ContactProblem: cone={cone!r} is not one of {sorted(CONES)}")
-        if not isinstance(gap, CoefficientFunction) and not 0 <= gap < float("inf"):
-            raise ValueError(f"ContactProblem: gap={gap} must be a finite number >= 0 (the faces do not overlap at first)")
-        if not isinstance(material, Isotropic):
-            raise TypeError(f"ContactProblem: material={material!r} is not an Elasticity")
-        if stabilisation is not None and not hasattr(stabilisation, "Gamma"):
+        if isinstance(gap, CoefficientFunction):
+            check_function(gap, "ContactProblem: gap", 1)
+        else:
+            check_number(gap, "ContactProblem: gap", lambda gap: 0 <= gap < INFINITY, "be a finite number >= 0 (the faces do not overlap at first)")
+        check_type(material, Isotropic, "ContactProblem: material", "an Elasticity")
+        if stabilisation is not None and (not hasattr(stabilisation, "Gamma") or isinstance(stabilisation, type)):
             raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
         if friction is not None and not isinstance(friction, Friction):
             raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
@@ -81,14 +99,23 @@ class ContactProblem:
         dofs = self.V.GetDofNrs(NodeId(VERTEX, vertex))
         if len(dofs) > 2:
             raise ValueError(f"Pin: u may jump at the vertex {tuple(point)}, beside the crack; pin a vertex away from it")
-        values = np.broadcast_to(value, len(COMPONENTS[components]))
+        values = self._pin_values(value, components)
         for component, number in zip(COMPONENTS[components], values):
             self.free.Clear(dofs[component])
             self.pinned.append(dofs[component])
             self.given.vec[dofs[component]] = float(number)
 
+    def _pin_values(self, value, components):
+        try:
+            values = np.broadcast_to(np.asarray(value, dtype=float), len(components))
+        except (TypeError, ValueError):
+            raise ValueError(f"Pin: value={value!r} is not a number{', nor two, one for each component' * (len(components) == 2)}") from None
+        if not np.isfinite(values).all():
+            raise ValueError(f"Pin: value={value} is not finite; give the displacement in the unit of length")
+        return values
+
     def _vertex_at(self, point):
-        if np.shape(point) != (2,):
+        if np.shape(point) != (2,) or not all(isinstance(coordinate, Real) for coordinate in point):
             raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
         vertices = np.array([v.point for v in self.V.mesh.vertices])
         distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
@@ -102,16 +129,17 @@ class ContactProblem:
 
         value: CoefficientFunction with two components or tuple.    Raises ValueError for a region that is not fixed.
         """
+        check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
-        value = CoefficientFunction(value)
-        if value.dim != 2:
-            raise ValueError(f"SetDirichlet: the value has {value.dim} component(s), the displacement has 2")
+        value = check_function(value, "SetDirichlet: value", 2)
         V, body = self.V, self.body
         u, v = V.TnT()
         weight = mouth_weight(body)
         mass = to_scipy(BilinearForm(weight * u * v * body.ds(region)).Assemble().mat)
         zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
         load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
+        if not np.isfinite(load).all():
+            raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
         diagonal = mass.diagonal()
         dofs = np.flatnonzero(diagonal > 1e-14 * diagonal.max())
         if np.array([self.free[int(dof)] for dof in dofs]).any():

@@ -1,12 +1,15 @@
 """What a solve did: counts, times and residuals."""
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from math import isnan
 from time import perf_counter
 
 from .nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
+from .progress import doing
 
 
-@dataclass
+@dataclass(repr=False)
 class Report:
     """What a solve did.
 
@@ -56,6 +59,7 @@ class Report:
     def __str__(self):
         sizes = " ".join(str(int(a.sum())) for a in self.active)
         times = "  ".join(f"{name} {seconds:.3f}" for name, seconds in self.timings.items())
+        measured = lambda value: "measured when solution.u is first used" if isnan(value) else f"{value:.1e}"
         return "\n".join(
             [
                 f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
@@ -63,11 +67,13 @@ class Report:
                 f"converged        {self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
                 f"in contact       {sizes}" + (f"  (+ {self.fallback} safeguarded steps)" if self.fallback else ""),
                 *self._friction_lines(),
-                f"residual         {self.residual:.1e}",
-                f"complementarity  {self.complementarity:.1e}",
-                f"seconds          {times}",
+                f"residual         {measured(self.residual)}",
+                f"complementarity  {measured(self.complementarity)}",
+                f"seconds          {sum(self.timings.values()):.3f}: {times}",
             ]
         )
+
+    __repr__ = __str__  # what a notebook shows
 
 
 def contraction(changes):
@@ -76,13 +82,10 @@ def contraction(changes):
     return (above[-1] / above[0]) ** (1 / (len(above) - 1)) if len(above) > 1 else 0.0
 
 
-class Stopwatch:
-    """Seconds since the last mark, by name."""
-
-    def __init__(self, timings):
-        self.timings, self.last = timings, perf_counter()
-
-    def Mark(self, name):
-        """Books the time since the last mark."""
-        now = perf_counter()
-        self.timings[name], self.last = now - self.last, now
+@contextmanager
+def stage(timings, name, what):
+    """Books the seconds of a block in `timings`; what: said if it takes long."""
+    start = perf_counter()
+    with doing(what):
+        yield
+    timings[name] = perf_counter() - start

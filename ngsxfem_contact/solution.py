@@ -6,6 +6,7 @@ import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
 from . import fracture
+from .arguments import check_item, check_whole
 from .nodal_newton import FREE
 from .operators import NormalGap, Slip, Strain, TangentialStress
 from .spaces import crack_points
@@ -13,7 +14,10 @@ from .spaces import crack_points
 
 @dataclass
 class CrackProfile:
-    """Arrays along a crack: arc length s, points x, y, gap g_n, slip g_t, sigma_n = λ ≤ 0, sigma_t."""
+    """Arrays (n,) along a crack, in the user's units of length and stress.
+
+    s: arc length.    x, y: the points.    gap: g_n ≥ 0.    slip: g_t.    sigma_n: λ ≤ 0.    sigma_t: λ_t with friction, see Profile.
+    """
 
     s: np.ndarray
     x: np.ndarray
@@ -70,16 +74,20 @@ class ContactSolution:
         return self.problem.material.Stress(Strain(self.u))
 
     def Energy(self):
-        """½ a(u, u)."""
+        """½ a(u, u), the elastic energy for each unit of thickness: stress × length²."""
         return 0.5 * Integrate(InnerProduct(self.stress, Strain(self.u)) * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
     def ContactForce(self, crack=0):
-        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other."""
-        return Integrate(self.multiplier * self.problem.W.dcrack(crack=crack), self.body.mesh)
+        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length. Raises ValueError for a crack that is not there."""
+        return self._along(self.multiplier, crack)
 
     def TangentialForce(self, crack=0):
         """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction."""
-        return Integrate(self.tangential_multiplier * self.problem.W.dcrack(crack=crack), self.body.mesh) if self.tangential_multiplier else 0.0
+        return self._along(self.tangential_multiplier, crack)
+
+    def _along(self, function, crack):
+        check_item(crack, self.body.cracks, "crack", "body.cracks")
+        return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh) if function else 0.0
 
     def FrictionWork(self):
         """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes."""
@@ -92,25 +100,27 @@ class ContactSolution:
         return L if self.tangential_multiplier else np.concatenate([L, np.zeros(len(L))])
 
     def Profile(self, crack=0, n=200):
-        """A CrackProfile at n points from end to end, in the user's units.
+        """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.
 
         sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact
-        frictionless contact makes zero.
+        frictionless contact makes zero.    Raises ValueError for a crack that is not there and for n < 2.
         """
         body = self.body
+        check_item(crack, body.cracks, "crack", "body.cracks")
+        check_whole(n, "Profile: n", 2)
         s = np.linspace(0, body.cracks[crack].length, n)
         points = crack_points(body, crack, s)
         xy = np.array([body.cracks[crack].PointAt(si) for si in s])
-        values = [f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier)]
+        gap, slip, sigma_n = (f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier))
         if self.tangential_multiplier:
-            return CrackProfile(s, xy[:, 0], xy[:, 1], *values, self.tangential_multiplier(points).ravel())
+            return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.tangential_multiplier(points).ravel())
         stress = self.problem.material.Stress(Strain(self.u, "larger"))
         # at a tip itself the terms of the stress cancel only in exact arithmetic
         inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
-        return CrackProfile(s, xy[:, 0], xy[:, 1], *values, TangentialStress(stress, body)(inside).ravel())
+        return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, TangentialStress(stress, body)(inside).ravel())
 
     def Transitions(self, crack=0):
-        """Arc lengths at which the active set changes along a crack: between two neighbouring nodes the middle."""
+        """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
         return self._changes(self.report.active[-1], crack)
 
     def SlipTransitions(self, crack=0):
@@ -120,6 +130,7 @@ class ContactSolution:
 
     def _changes(self, states, crack, where=lambda a, b: True):
         positions = self.state.nodes.NodalPositions()
+        check_item(crack, positions, "crack", "body.cracks")
         first = sum(len(p) for p in positions[:crack])
         a, b = (states[first : first + len(positions[crack])][part] for part in (slice(None, -1), slice(1, None)))
         changes = np.flatnonzero((a != b) & where(a, b))
@@ -152,13 +163,20 @@ class ContactSolution:
         return self.Energy() - float(self.load.F @ self.u.vec.FV().NumPy())
 
     def Draw(self, **options):
-        """Shows the deformed body with the crack open in a notebook; options as for ngsolve.webgui.Draw."""
+        """Shows the deformed body with the crack open in a notebook.
+
+        options: field, a CoefficientFunction (default: the von Mises stress), scale of the displacement (default: the largest is 5 % of the
+        body), and those of ngsolve.webgui.Draw, see `plotting.draw`.
+        """
         from .plotting import draw
 
         return draw(self, **options)
 
     def SaveVTK(self, path):
-        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name."""
+        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
+
+        path: the ending is added if it is missing. The file appears when it is complete. Raises FileNotFoundError if there is no such folder.
+        """
         from .plotting import save_vtk
 
         return save_vtk(self, path)

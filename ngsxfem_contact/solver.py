@@ -6,13 +6,16 @@ import numpy as np
 from ngsolve import GridFunction
 
 from .active_set import coarse_start
+from .arguments import check_type, check_whole
 from .checks import check_coercive, check_data, check_multiplier, check_rigid_motions
+from .cones import CONES
 from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
 from .friction import transformation
 from .load import AppliedLoad
 from .negligible import without_negligible
-from .report import Report, Stopwatch
+from .progress import doing
+from .report import Report, stage
 from .solution import ContactSolution, State
 
 TINY = np.finfo(float).tiny
@@ -26,7 +29,8 @@ def solve(problem, inverse=None, **options):
     options: cone, r, start, max_iterations, previous as for ReducedProblem.Step.
     Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
     """
-    return ReducedProblem(problem, inverse).Solve(**options)
+    with doing("solving"):
+        return ReducedProblem(problem, inverse).Solve(**options)
 
 
 @dataclass
@@ -58,21 +62,21 @@ class ReducedProblem:
 
     def __init__(self, problem, inverse=None, check=True):
         self.problem, self.timings, self.check, self.transformed = problem, {}, check, {}
-        watch = Stopwatch(self.timings)
-        check_rigid_motions(problem)
-        watch.Mark("check")
-        self.system = system = problem.Assemble()
-        check_data(system, problem)
-        watch.Mark("assemble")
-        free = without_negligible(system.stiffness, problem.V, problem.free)
-        self.elimination = Elimination(system.stiffness, problem.V, free, system.C, inverse)
-        if check:
-            check_coercive(problem, self.elimination)
-        m = system.E.shape[0]
-        self.S = self.elimination.S[:m] @ system.Distribute(np.eye(m)) + system.D.toarray()
-        watch.Mark("factor")
-        self.load = self.PresentLoad()
-        watch.Mark("load")
+        size = f"{problem.V.ndof} displacement unknowns"
+        with stage(self.timings, "check", f"checking rigid motions, {size}"):
+            check_rigid_motions(problem)
+        with stage(self.timings, "assemble", f"assembling, {size}"):
+            self.system = system = problem.Assemble()
+            check_data(system, problem)
+        with stage(self.timings, "factor", f"eliminating {size}"):
+            free = without_negligible(system.stiffness, problem.V, problem.free)
+            self.elimination = Elimination(system.stiffness, problem.V, free, system.C, inverse)
+            if check:
+                check_coercive(problem, self.elimination)
+            m = system.E.shape[0]
+            self.S = self.elimination.S[:m] @ system.Distribute(np.eye(m)) + system.D.toarray()
+        with stage(self.timings, "load", f"eliminating {size} from the load"):
+            self.load = self.PresentLoad()
 
     def PresentLoad(self):
         """The Load of what the problem holds now."""
@@ -97,22 +101,23 @@ class ReducedProblem:
     def Step(self, cone=None, r=1.0, start=None, max_iterations=100, load=None, previous=None):
         """A ContactSolution whose displacement is recovered, and whose residuals are checked, when it is first used.
 
-        cone: an object of `cones`; default the problem's.    r: the parameter of the projection (39), relative; the
+        cone: "nonpositive" or "weak"; default the problem's.    r: the parameter of the projection (39), relative; the
         answer does not depend on it.    start: first active set: boolean, one for each nodal sign, or a ContactSolution
         on any mesh whose cracks have the same arc lengths; default: that of `previous`, or from coarser sets, see
         active_set.coarse_start.    load: a Load; default what the problem held when it was reduced.
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         """
-        problem, load, cone = self.problem, load or self.load, cone or self.problem.cone
+        problem, load, cone = self.problem, load or self.load, problem_cone(self.problem, cone)
+        check_whole(max_iterations, "max_iterations", 1)
+        check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
         report = Report((int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings))
-        watch = Stopwatch(report.timings)
-        T, Q = self._signs(cone)
-        G = self._gaps(previous)
-        q = T.T @ (load.g - G)
-        start = self._first_set(Q, q, start, previous, report)
-        p = problem.friction.Solve(Q, q, self.system.nodes, cone, report, r, start, max_iterations)
-        report.converged = True
-        watch.Mark("active set")
+        with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
+            T, Q = self._signs(cone)
+            G = self._gaps(previous)
+            q = T.T @ (load.g - G)
+            start = self._first_set(Q, q, start, previous, report)
+            p = problem.friction.Solve(Q, q, self.system.nodes, cone, report, r, start, max_iterations)
+            report.converged = True
         L = T @ p
         moments = load.g + self.S @ L
         recover = lambda: self._recover(report, load, L, G, p, T, cone)
@@ -129,9 +134,9 @@ class ReducedProblem:
         if previous is None:
             return self.system.G
         if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
-            raise ValueError("previous: a solution on other spaces; load steps need the V and W of the problem")
+            raise ValueError("previous is a solution on other spaces; load steps need one on the V and W of the problem")
         if len(previous.state.moments) != len(self.system.G):
-            raise ValueError("previous: a solution with another number of multipliers; both steps need friction")
+            raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")
         G = self.system.G.copy()
         G[self.system.nodes.ndof :] = previous.state.moments[self.system.nodes.ndof :]
         return G
@@ -160,11 +165,10 @@ class ReducedProblem:
         return self.transformed[cone]
 
     def _recover(self, report, load, L, G, p, T, cone):
-        watch = Stopwatch(report.timings)
-        u, U = GridFunction(self.problem.V, "u"), self.Displacement(L, load)
-        self.Accept(report, load, U, L, G, p, T, cone)
-        u.vec.FV().NumPy()[:] = U
-        watch.Mark("recover")
+        with stage(report.timings, "recover", "recovering and checking the displacement"):
+            u, U = GridFunction(self.problem.V, "u"), self.Displacement(L, load)
+            self.Accept(report, load, U, L, G, p, T, cone)
+            u.vec.FV().NumPy()[:] = U
         return u
 
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
@@ -176,7 +180,19 @@ class ReducedProblem:
         report.complementarity = complementarity(system, self.problem, U, L, G, p, T, cone)
         report.converged = report.residual < tolerance and report.complementarity < tolerance
         if not report.converged:
-            raise NotConverged(f"the solution does not satisfy its own equations to {tolerance:g}:\n{report}")
+            raise NotConverged(
+                f"the solution does not satisfy its own equations to {tolerance:g}: try another direct solver by inverse=..., or units in which "
+                f"lengths, stresses and displacements are not so far apart\n{report}"
+            )
+
+
+def problem_cone(problem, cone):
+    """The cone of a name, by default the problem's; raises ValueError for an unknown one."""
+    if cone is None:
+        return problem.cone
+    if isinstance(cone, str) and cone not in CONES:
+        raise ValueError(f"cone={cone!r} is not one of {sorted(CONES)}")
+    return CONES[cone] if isinstance(cone, str) else cone
 
 
 def along_cracks(W):
@@ -192,7 +208,7 @@ def active_on(W, solution):
     """The active set of a solution at the nodes of W: that of the nearest of its own nodes, by arc length."""
     theirs, ours = solution.state.nodes.NodalPositions(), W.NodalPositions()
     if len(theirs) != len(ours):
-        raise ValueError(f"start: a solution with {len(theirs)} cracks for a problem with {len(ours)}")
+        raise ValueError(f"start is a solution with {len(theirs)} cracks for a problem with {len(ours)}; both need the same cracks")
     states = np.split(solution.report.active[-1], np.cumsum([len(s) for s in theirs])[:-1])
     nearest = [np.abs(np.subtract.outer(np.array(s), np.array(t))).argmin(axis=1) for s, t in zip(ours, theirs)]
     return np.concatenate([state[n] for state, n in zip(states, nearest)])

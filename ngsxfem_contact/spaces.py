@@ -8,6 +8,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigsh
 
 from . import _ngsxfem_contact as core
+from .arguments import INFINITY, check_number, check_positive, check_type, check_whole
 from .elasticity import Isotropic
 from .tip_disk import largest_disk
 
@@ -22,9 +23,11 @@ class TipEnrichment:
     material: with an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress
         intensity factors and whose lips are free of traction: 2 unknowns for each tip. Without one, the four scalar
         functions (8) of [AHLMR12] in each component: 8 unknowns.
-    functions: "modes" or "branch" to choose explicitly.
+    functions: "modes" or "branch" (8) to choose explicitly; default: modes with a material.
     tolerance: of the integration rules around the tip, relative to the integral over an element. The default changes the
         mean errors of energy and K by less than a hundredth of themselves (tests/test_contact.py).
+    r0 and r1 are lengths.    Raises ValueError unless 0 <= r0 < r1 < inf, TypeError for a material that is none; CrackFESpace raises
+    for a disk that does not fit the body.
     """
 
     r0: float | None = None
@@ -37,27 +40,33 @@ class TipEnrichment:
     def __post_init__(self):
         if self.cutoff not in core.CutOff.__members__:
             raise ValueError(f"TipEnrichment: cutoff={self.cutoff!r} is not one of {list(core.CutOff.__members__)}")
-        if not 0 < self.tolerance < 1:
-            raise ValueError(f"TipEnrichment: tolerance={self.tolerance} must lie between 0 and 1")
+        check_number(self.tolerance, "TipEnrichment: tolerance", lambda tolerance: 0 < tolerance < 1, "lie between 0 and 1")
+        if self.r1 is not None:
+            check_positive(self.r1, "TipEnrichment: r1")
+        if self.r0 is not None:
+            r1 = INFINITY if self.r1 is None else self.r1
+            check_number(self.r0, "TipEnrichment: r0", lambda r0: 0 <= r0 < r1, f"be less than r1={self.r1}: the cut-off needs 0 <= r0 < r1")
         if self.functions not in (None, "modes", "branch"):
             raise ValueError(f"TipEnrichment: functions={self.functions!r} is not 'modes' or 'branch'")
         if self.functions == "modes" and self.material is None:
             raise ValueError("TipEnrichment: functions='modes' needs material=Elasticity(...), which the modes depend on")
+        check_type(self.material, Isotropic | None, "TipEnrichment: material", "an Elasticity")
 
     def Spec(self, body, tip):
         """What the space needs to know at one tip of `body.tips`. Raises ValueError for a disk that does not fit."""
-        modes = self.material is not None and self.functions != "branch"
-        radius, limit = largest_disk(body, tip, self.material if modes else None)
+        material = None if self.functions == "branch" else self.material
+        radius, limit = largest_disk(body, tip, material)
         r1 = 0.9 * radius if self.r1 is None else self.r1
         if radius < tip.clearance and not 0 < r1 <= (1 + 1e-10) * radius:
             raise ValueError(
                 f"TipEnrichment: the disk r1 = {r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}) reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or tip=None"
             )
         r0 = r1 / 50 if self.r0 is None else self.r0
-        basis = core.TipBasis.modes if modes else core.TipBasis.branch
-        here = self.material.At(body.mesh, tip.point) if modes else None
-        kappa, mu = (here.kappa, here.mu) if modes else (0, 1)
-        return core.TipSpec(basis, core.CutOff.__members__[self.cutoff], r0, r1, kappa, mu)
+        cutoff = core.CutOff.__members__[self.cutoff]
+        if material is None:
+            return core.TipSpec(core.TipBasis.branch, cutoff, r0, r1, 0, 1)
+        here = material.At(body.mesh, tip.point)
+        return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
 
 
 class CrackFESpace(core.CrackFESpace):
@@ -69,16 +78,21 @@ class CrackFESpace(core.CrackFESpace):
     body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+").
     tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
     dirichlet and further flags: as for NGSolve's spaces.
-    Raises Exception for an unknown boundary, and for a disk that leaves the body or meets another crack.
+    Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has and an unknown
+    boundary, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
 
     def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", **flags):
+        check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
+        check_whole(order, "CrackFESpace: order", 1)
         if bubble and order != 1:
             raise ValueError(f"CrackFESpace: bubble=True goes with order=1 (P1+), not with order={order}")
-        if order < 1:
-            raise ValueError(f"CrackFESpace: order={order} must be 1 or more")
-        check_regions(body.mesh, dirichlet, "dirichlet")
+        if dirichlet:
+            check_regions(body.mesh, dirichlet, "CrackFESpace: dirichlet")
         tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
+        for enrichment in tips:
+            if enrichment is not None and not hasattr(enrichment, "Spec"):
+                raise TypeError(f"CrackFESpace: tip={enrichment!r} is neither a TipEnrichment nor None")
         specs = [enrichment and enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
@@ -90,7 +104,8 @@ class CrackFESpace(core.CrackFESpace):
 
 def check_regions(mesh, pattern, what):
     """Raises ValueError if a pattern of boundary names matches nothing."""
-    if pattern and not mesh.Boundaries(pattern).Mask().NumSet():
+    check_type(pattern, str | list | tuple, what, "the name of a boundary, or a regular expression")
+    if not mesh.Boundaries(pattern).Mask().NumSet():
         raise ValueError(f"{what}={pattern!r} matches no boundary; the mesh has {sorted(set(mesh.GetBoundaries()))}")
 
 
@@ -102,18 +117,23 @@ class TraceSpace(core.TraceSpace):
     basis="trace": restrictions of mesh functions, redundant ones removed in the paper's two steps.
     nodes: arc lengths from 0 to the crack's length, one list for each crack (one list, if there is one crack):
         a multiplier on nodes of its own (H ≠ h). Integrate over `dcrack` of this space, which respects them.
+    Raises TypeError or ValueError for an order that is no whole number ≥ 0 and another basis, Exception for nodes that do not increase from
+    0 to the length of their crack.    Source: section 4 of [AHLMR12].
     """
 
     def __init__(self, body, order=1, basis="nodal", nodes=None):
-        if order < 0:
-            raise ValueError(f"TraceSpace: order={order} must be 0 or more")
+        check_type(body, core.CrackedMesh, "TraceSpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
+        check_whole(order, "TraceSpace: order", 0)
         if nodes is None:
             nodes = [body.MeshNodes(c, order > 0) for c in range(len(body.cracks))]
         elif np.ndim(nodes) == 1 and len(nodes) and np.ndim(nodes[0]) == 0:
             nodes = [nodes]
-        core.NodalTraceBasis(body, order, nodes)  # refuses nodes that do not fit
+        try:
+            core.NodalTraceBasis(body, order, nodes)  # refuses nodes that do not fit
+        except TypeError:
+            raise TypeError(f"TraceSpace: nodes={nodes!r} are no arc lengths, one list of numbers for each crack") from None
         if basis == "nodal" or (basis == "trace" and order == 0):
-            functions = core.NodalTraceBasis(body, order, nodes)
+            functions: core.TraceBasis = core.NodalTraceBasis(body, order, nodes)
         elif basis == "trace":
             functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
         else:

@@ -146,6 +146,7 @@ def components(size, first, second):
 
 
 def cross(a, b):
+    """a_x b_y - a_y b_x of arrays (..., 2)."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
@@ -243,6 +244,7 @@ def reference_coordinates(mesh, corners, element):
 
 
 def ngsolve_mesh(split):
+    """The mesh of NGSolve with the points, triangles and boundaries of a SplitMesh."""
     import netgen.meshing as netgen
 
     mesh = netgen.Mesh(dim=2)

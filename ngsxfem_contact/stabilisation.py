@@ -12,6 +12,7 @@ import numpy as np
 from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFunction, IfPos, InnerProduct, sqrt, x, y
 
 from . import _ngsxfem_contact as core
+from .arguments import check_number, check_positive
 from .operators import NORMAL, NormalStress, Strain
 
 
@@ -50,10 +51,9 @@ class BarbosaHughes:
     needs_eigenvalue = False  # a positive factorised matrix shows that γ is small enough
 
     def __post_init__(self):
-        if self.gamma0 is not None and not 0 < self.gamma0 < float("inf"):
-            raise ValueError(f"BarbosaHughes: gamma0={self.gamma0} must be positive; stabilisation=None switches it off")
-        if not 0 < self.theta < 1:
-            raise ValueError(f"BarbosaHughes: theta={self.theta} must lie between 0 and 1")
+        if self.gamma0 is not None:
+            check_positive(self.gamma0, "BarbosaHughes: gamma0", "; stabilisation=None switches it off")
+        check_number(self.theta, "BarbosaHughes: theta", lambda theta: 0 < theta < 1, "lie between 0 and 1")
 
     def Gamma(self, V, material, components=(NORMAL,)):
         """γ as a CoefficientFunction on the elements that the cracks meet."""
@@ -86,8 +86,8 @@ class BothSides:
     needs_eigenvalue = False
 
     def __post_init__(self):
-        if not 0 < self.gamma0 < float("inf"):
-            raise ValueError(f"BothSides: gamma0={self.gamma0} must be positive")
+        check_positive(self.gamma0, "BothSides: gamma0")
+        check_positive(self.weight, "BothSides: weight")
 
     @property
     def sides(self):

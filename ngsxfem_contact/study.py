@@ -97,9 +97,9 @@ class ErrorMeasure:
 
     def Errors(self, solution, gamma):
         """Norms of the error of a solution on this mesh; gamma weighs the multiplier in "norm"."""
-        values = [cf(self.points) for cf in (solution.u, Grad(solution.u))]
+        u, gradient = (cf(self.points) for cf in (solution.u, Grad(solution.u)))
         pressure, weight = (np.ravel(cf(self.crack_points)) for cf in (solution.multiplier, gamma))
-        return self.Norms(*values, pressure, weight)
+        return self.Norms(u, gradient, pressure, weight)
 
 
 def measure_points(measure, mesh):

@@ -1,4 +1,4 @@
-"""Coordinates at a tip, the weight q of domain integrals, and the gradients of the modes (b), (c) of docs/method.md."""
+"""Coordinates at a tip, the weight q of domain integrals, and the gradients of the two modes of docs/method.md, section 3."""
 
 from math import pi
 

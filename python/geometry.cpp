@@ -15,8 +15,12 @@ static void ExportCrack (py::module & m)
 {
   py::enum_<Side>(m, "Side", "The side of a crack: Plus to the left of its direction of travel, Minus to the right.").value("Minus", Side::Minus).value("Plus", Side::Plus);
   py::class_<Crack>(m, "Crack",
-      "An oriented curve: Crack(points) a polyline, Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet true curves. "
-      "Its normal points to the left of the direction of travel, from the minus to the plus side.")
+      "An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the\n"
+      "minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.\n\n"
+      "points: the corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves,\n"
+      "Crack.Join one crack of several.\n"
+      "Raises an Exception for coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.\n\n"
+      ">>> crack = Crack([(0, 0), (3, 4)])\n>>> crack.length, crack.points\n(5.0, [(0.0, 0.0), (3.0, 4.0)])\n>>> crack.SideOf((0, 1))\n<Side.Plus: 1>")
     .def(py::init(&ToCrack), py::arg("points"))
     .def_static("Arc", [] (Pair start, Pair through, Pair end) { return Crack({ MakeArc(ToPoint(start), ToPoint(through), ToPoint(end)) }); },
                 py::arg("start"), py::arg("through"), py::arg("end"),
@@ -33,8 +37,8 @@ static void ExportCrack (py::module & m)
            for (size_t i = 0; i <= c.NumSegments(); i++) if (c.IsKink(i)) kinks.push_back(c.ArcLength(i));
            return kinks;
          }, "Arc lengths at which the direction jumps; of a polyline all inner points.")
-    .def_property_readonly("length", &Crack::Length)
-    .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(s)); }, py::arg("s"), "The point at arc length s.")
+    .def_property_readonly("length", &Crack::Length, "The arc length from end to end, in the user's unit of length.")
+    .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(s)); }, py::arg("s"), "The point (x, y) at arc length s, 0 ≤ s ≤ length.")
     .def("TangentAt", [] (const Crack & c, double s) { return ToPair(c.Tangent(c.SegmentAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
     .def("CurvatureAt", [] (const Crack & c, double s) { size_t i = c.SegmentAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
          py::arg("s"), "The curvature at arc length s, > 0 where the crack turns left.")
@@ -42,7 +46,8 @@ static void ExportCrack (py::module & m)
          "Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.")
     .def("ArcLength", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).s; }, py::arg("point"), "Arc length of the nearest point of the crack.")
     .def("Distance", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).distance; }, py::arg("point"), "Distance to the nearest point of the crack.")
-    .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(ToPoint(p)); }, py::arg("point"))
+    .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(ToPoint(p)); }, py::arg("point"),
+         "The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself.")
     .def_property_readonly("side", [] (const Crack & c) -> shared_ptr<CoefficientFunction> { return make_shared<CrackSide>(c); },
                            "H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.")
     .def("__repr__", [] (const Crack & c) { return IsPolyline(c) ? py::str("Crack({})").format(PointsOf(c)) : py::str("Crack.OfPieces({})").format(PiecesOf(c)); })
@@ -54,51 +59,53 @@ static void ExportLocation (py::module & m)
 {
   py::enum_<ElementKind>(m, "ElementKind", "How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.")
     .value("Uncut", ElementKind::Uncut).value("Cut", ElementKind::Cut).value("Tip", ElementKind::Tip).value("Aligned", ElementKind::Aligned);
-  py::class_<Degeneracy>(m, "Degeneracy")
-    .def_readonly("through_vertex", &Degeneracy::through_vertex)
-    .def_readonly("along_edge", &Degeneracy::along_edge)
-    .def_readonly("tip_on_edge", &Degeneracy::tip_on_edge)
-    .def_readonly("tip_on_vertex", &Degeneracy::tip_on_vertex)
-    .def_readonly("kink_inside", &Degeneracy::kink_inside);
-  py::class_<Piece>(m, "Piece")
-    .def_property_readonly("triangle", [] (const Piece & p) { return ToPairs(p.triangle); })
-    .def_readonly("side", &Piece::side)
+  py::class_<Degeneracy>(m, "Degeneracy", "The special positions of a crack in an element; each holds to within 1e-10 of the smallest element beside the crack.")
+    .def_readonly("through_vertex", &Degeneracy::through_vertex, "Whether the crack passes through a vertex of the element.")
+    .def_readonly("along_edge", &Degeneracy::along_edge, "Whether it runs along an edge.")
+    .def_readonly("tip_on_edge", &Degeneracy::tip_on_edge, "Whether it ends on an edge.")
+    .def_readonly("tip_on_vertex", &Degeneracy::tip_on_vertex, "Whether it ends in a vertex.")
+    .def_readonly("kink_inside", &Degeneracy::kink_inside, "Whether its direction jumps inside the element.");
+  py::class_<Piece>(m, "Piece", "A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension.")
+    .def_property_readonly("triangle", [] (const Piece & p) { return ToPairs(p.triangle); }, "The three corners (x, y).")
+    .def_readonly("side", &Piece::side, "The Side of the crack on which it lies.")
     .def_property_readonly("curved", [] (const Piece & p) { return p.curved ? std::optional(std::pair(p.curved->s0, p.curved->s1)) : std::nullopt; },
                            "Arc lengths between which the side opposite of corner 0 is a part of the crack, or None.");
-  py::class_<ElementLocation>(m, "ElementLocation")
-    .def_readonly("element", &ElementLocation::element)
-    .def_readonly("kind", &ElementLocation::kind)
-    .def_readonly("degeneracy", &ElementLocation::degeneracy)
-    .def_readonly("h", &ElementLocation::h, "longest edge")
-    .def_readonly("pieces", &ElementLocation::pieces)
-    .def_readonly("area_plus", &ElementLocation::area_plus)
-    .def_readonly("area_minus", &ElementLocation::area_minus)
-    .def_property_readonly("larger", &ElementLocation::Larger)
+  py::class_<ElementLocation>(m, "ElementLocation", "Where an element lies with respect to the crack that meets it, and its parts on either side.")
+    .def_readonly("element", &ElementLocation::element, "The number of the element in the mesh.")
+    .def_readonly("kind", &ElementLocation::kind, "Its ElementKind: Cut, Tip or Aligned.")
+    .def_readonly("degeneracy", &ElementLocation::degeneracy, "The special positions that hold.")
+    .def_readonly("h", &ElementLocation::h, "The longest edge h_T, in the user's unit of length.")
+    .def_readonly("pieces", &ElementLocation::pieces, "The Pieces into which the crack divides it; one for an aligned element.")
+    .def_readonly("area_plus", &ElementLocation::area_plus, "The area of its part on the plus side.")
+    .def_readonly("area_minus", &ElementLocation::area_minus, "The area of its part on the minus side.")
+    .def_property_readonly("larger", &ElementLocation::Larger, "The Side of its larger part, Plus for equal ones: the part whose stress is R_h.")
     .def_property_readonly("chords", [] (const ElementLocation & l)
          {
            std::vector<Pair> chords;
            for (auto & chord : l.chords) chords.push_back({ chord.s0, chord.s1 });
            return chords;
          }, "Arc lengths between which the crack is in the element.")
-    .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); })
-    .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); });
+    .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); }, "Arc lengths at which the crack enters and leaves it.")
+    .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); }, "The three corners (x, y) of the element.");
   py::class_<ElementPart>(m, "ElementPart", "A part of an element that cracks meet.")
-    .def_readonly("piece", &ElementPart::piece)
+    .def_readonly("piece", &ElementPart::piece, "Its Piece.")
     .def_readonly("crack", &ElementPart::crack, "The crack that the side and the curved side of the piece belong to.")
     .def_readonly("sides", &ElementPart::sides, "With respect to each of the element's cracks.")
     .def_readonly("larger", &ElementPart::larger, "For each of the element's cracks: whether this belongs to the larger part beside it.");
   py::enum_<EndKind>(m, "EndKind", "An end of a crack: a Tip inside the body or a Mouth on its boundary.").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
-  py::class_<CrackEnd>(m, "CrackEnd")
-    .def_readonly("kind", &CrackEnd::kind)
-    .def_readonly("s", &CrackEnd::s)
-    .def_property_readonly("point", [] (const CrackEnd & e) { return ToPair(e.point); });
+  py::class_<CrackEnd>(m, "CrackEnd", "An end of a crack in a mesh.")
+    .def_readonly("kind", &CrackEnd::kind, "Its EndKind: Tip inside the body, Mouth on its boundary.")
+    .def_readonly("s", &CrackEnd::s, "Its arc length: 0 or the length of the crack.")
+    .def_property_readonly("point", [] (const CrackEnd & e) { return ToPair(e.point); }, "Its place (x, y).");
   py::class_<Tip>(m, "Tip", "A crack end inside the body: point, crack number, direction ahead, and the clearance that a disk of singular functions has.")
-    .def_readonly("crack", &Tip::crack)
-    .def_readonly("s", &Tip::s)
-    .def_readonly("clearance", &Tip::clearance)
-    .def_readonly("limit", &Tip::limit)
-    .def_property_readonly("point", [] (const Tip & t) { return ToPair(t.point); })
-    .def_property_readonly("ahead", [] (const Tip & t) { return ToPair(t.ahead); })
+    .def_readonly("crack", &Tip::crack, "The number of its crack in body.cracks.")
+    .def_readonly("s", &Tip::s, "Its arc length: 0 or the length of the crack.")
+    .def_readonly("clearance", &Tip::clearance,
+                  "The largest radius of a disk of singular functions: the least of the distances to the boundary, to other cracks and to the next kink, of\n"
+                  "half the distance to other tips and of half the radius of curvature.")
+    .def_readonly("limit", &Tip::limit, "What sets the clearance, in words.")
+    .def_property_readonly("point", [] (const Tip & t) { return ToPair(t.point); }, "Its place (x, y).")
+    .def_property_readonly("ahead", [] (const Tip & t) { return ToPair(t.ahead); }, "The unit direction in which the crack would grow straight on.")
     .def("__repr__", [] (const Tip & t) { return py::str("Tip(point={}, crack={}, clearance={:.6g})").format(ToPair(t.point), t.crack, t.clearance); });
 }
 
@@ -152,24 +159,28 @@ static CutDifferentialSymbol LargerSymbol (shared_ptr<CrackedMesh> body)
 static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
-      "A mesh with cracks. dx: Omega without the cracks; ds: its boundary, both sides at a mouth; dcrack: the cracks; "
-      "dlarger: the larger part, of those directly beside a crack, of each element that it meets.")
+      "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n\n"
+      "mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined afterwards: build a new CrackedMesh then.\n"
+      "Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the\n"
+      "larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds(\"left|right\").\n"
+      "Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet\n"
+      "each other, or an element without a strip between them (3 % of its size).")
     .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
                   {
                     std::vector<Crack> all;
                     for (auto crack : cracks) all.push_back(crack.cast<Crack>());
                     return MakeCrackedMesh(mesh, all);
                   }), py::arg("mesh"))
-    .def_property_readonly("mesh", &CrackedMesh::GetMesh)
-    .def_property_readonly("cracks", &CracksOf)
-    .def_property_readonly("tips", &CrackedMesh::Tips)
-    .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"))
-    .def("Elements", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Elements(); }, py::arg("crack"), "The elements that a crack meets.")
+    .def_property_readonly("mesh", &CrackedMesh::GetMesh, "The mesh of NGSolve.")
+    .def_property_readonly("cracks", &CracksOf, "The Cracks, in the order in which they were given.")
+    .def_property_readonly("tips", &CrackedMesh::Tips, "The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.")
+    .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"), "The two CrackEnds of a crack, its start first.")
+    .def("Elements", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
     .def("Parts", [] (const CrackedMesh & b, size_t element)
          {
            auto cut = b.Find(element);
            return cut ? cut->parts : std::vector<ElementPart>();
-         }, py::arg("element"), "The parts into which the cracks divide an element; none if no crack meets it.")
+         }, py::arg("element"), "The ElementParts into which the cracks divide an element; none if no crack meets it.")
     .def("CracksOf", [] (const CrackedMesh & b, size_t element)
          {
            std::vector<size_t> numbers;
@@ -181,16 +192,18 @@ static void ExportCrackedMesh (py::module & m)
            std::vector<size_t> elements;
            for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) elements.push_back(nr);
            return elements;
-         }, py::arg("crack"))
+         }, py::arg("crack"), "Numbers of the boundary elements that a crack cuts.")
     .def("CrackElements", &CrackedMesh::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
     .def("MeshNodes", &MeshNodes, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
-    .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "Element numbers and reference coordinates of points on a crack.")
-    .def_property_readonly("normal", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, false); })
-    .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); })
-    .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); })
-    .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); })
-    .def_property_readonly("dlarger", &LargerSymbol)
-    .def_property_readonly("dcrack", &CrackSymbol)
+    .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.")
+    .def_property_readonly("normal", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, false); },
+                           "The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.")
+    .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); },
+                           "The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack.")
+    .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); }, "The measure on the body without the cracks.")
+    .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); }, "The measure on the boundary, divided at mouths.")
+    .def_property_readonly("dlarger", &LargerSymbol, "The measure on the larger part of each element that a crack meets.")
+    .def_property_readonly("dcrack", &CrackSymbol, "The measure on the cracks.")
     .def(py::pickle([] (const CrackedMesh & b) { return py::make_tuple(b.GetMesh(), CracksOf(b)); },
                     [] (py::tuple state) { return MakeCrackedMesh(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Crack>>()); }));
 }

@@ -42,10 +42,14 @@ void ExportMeasures (py::module & m)
         "The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).");
 
   // no shared_ptr holder: the base class is exported without one
-  py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol")
+  py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol",
+      "A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).")
     .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),
          py::arg("crack") = py::none(), py::arg("nodes") = py::none(),
-         "The same measure, restricted to a region or to elements or to one crack, with higher order, or with rules on the cracks divided at arc lengths (one list for each crack).")
+         "The same measure, restricted or refined.\n\n"
+         "definedon: a Region, or the name (a regular expression) of materials for dx, of boundaries for ds.    bonus_intorder: added to the order of the rules.\n"
+         "definedonelements: BitArray of elements.    crack: number of the only crack.    nodes: arc lengths at which rules on the cracks are divided, one\n"
+         "list for each crack.    Raises an Exception for a region that the mesh does not have.")
     .def("Points", [] (const CutDifferentialSymbol & dx, int order)
          {
            auto p = RulePoints(dx, order);

@@ -5,17 +5,17 @@ using namespace ngcomp;
 
 static void ExportTipSpec (py::module & m)
 {
-  py::enum_<CutOff>(m, "CutOff").value("cubic", CutOff::Cubic).value("quintic", CutOff::Quintic);
-  py::enum_<TipBasis>(m, "TipBasis").value("branch", TipBasis::Branch).value("modes", TipBasis::Modes);
-  py::class_<TipSpec>(m, "TipSpec")
+  py::enum_<CutOff>(m, "CutOff", "The cut-off χ of the tip functions: cubic is C¹, quintic C².").value("cubic", CutOff::Cubic).value("quintic", CutOff::Quintic);
+  py::enum_<TipBasis>(m, "TipBasis", "The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.").value("branch", TipBasis::Branch).value("modes", TipBasis::Modes);
+  py::class_<TipSpec>(m, "TipSpec", "What a space needs to know at one tip; TipEnrichment makes it.")
     .def(py::init([] (TipBasis basis, CutOff cutoff, double r0, double r1, double kappa, double mu) { return TipSpec { basis, cutoff, r0, r1, kappa, mu }; }),
          py::arg("basis"), py::arg("cutoff"), py::arg("r0"), py::arg("r1"), py::arg("kappa"), py::arg("mu"))
-    .def_readonly("basis", &TipSpec::basis)
-    .def_readonly("cutoff", &TipSpec::cutoff)
-    .def_readonly("r0", &TipSpec::r0)
-    .def_readonly("r1", &TipSpec::r1)
-    .def_readonly("kappa", &TipSpec::kappa)
-    .def_readonly("mu", &TipSpec::mu)
+    .def_readonly("basis", &TipSpec::basis, "The TipBasis.")
+    .def_readonly("cutoff", &TipSpec::cutoff, "The CutOff.")
+    .def_readonly("r0", &TipSpec::r0, "χ = 1 for r ≤ r0, a length.")
+    .def_readonly("r1", &TipSpec::r1, "χ = 0 for r ≥ r1, a length.")
+    .def_readonly("kappa", &TipSpec::kappa, "Kolosov's constant of the material at the tip; of modes only.")
+    .def_readonly("mu", &TipSpec::mu, "The shear modulus at the tip; of modes only.")
     .def(py::pickle([] (const TipSpec & s) { return py::make_tuple(s.basis, s.cutoff, s.r0, s.r1, s.kappa, s.mu); },
                     [] (py::tuple t) { return TipSpec { t[0].cast<TipBasis>(), t[1].cast<CutOff>(), t[2].cast<double>(),
                                                         t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>() }; }));
@@ -33,7 +33,9 @@ using TipSpecs = std::vector<std::optional<TipSpec>>;
 
 static void ExportCrackFESpace (py::module & m)
 {
-  py::class_<CrackFESpace, shared_ptr<CrackFESpace>, FESpace> space(m, "CrackFESpace");
+  py::class_<CrackFESpace, shared_ptr<CrackFESpace>, FESpace> space(m, "CrackFESpace",
+      "The enriched space; ngsxfem_contact.CrackFESpace builds it from a TipEnrichment. Unknowns in this order: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the\n"
+      "same for y, the tips.");
   space
     .def(py::init([space] (shared_ptr<CrackedMesh> body, TipSpecs tips, double tolerance, py::kwargs kwargs)
                   {
@@ -47,16 +49,17 @@ static void ExportCrackFESpace (py::module & m)
                   doc["orderinner"] = "order of the functions inside a triangle";
                   return doc;
                 })
-    .def_property_readonly("order", [] (const CrackFESpace & v) { return v.GetOrder(); })
-    .def_property_readonly("body", &CrackFESpace::GetBody)
-    .def_property_readonly("scalar_space", &CrackFESpace::GetScalar, "The space of the functions phi_i.")
-    .def_property_readonly("tip_specs", &CrackFESpace::TipSpecs)
-    .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside)
-    .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "Number i of the j-th enriched function phi_i, and its shift s_i.")
+    .def_property_readonly("order", [] (const CrackFESpace & v) { return v.GetOrder(); }, "The order k of the functions φ_i.")
+    .def_property_readonly("body", &CrackFESpace::GetBody, "The CrackedMesh.")
+    .def_property_readonly("scalar_space", &CrackFESpace::GetScalar, "The scalar space of the functions φ_i.")
+    .def_property_readonly("tip_specs", &CrackFESpace::TipSpecs, "For each of body.tips its TipSpec, or None where there are no tip functions.")
+    .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside, "The number of Heaviside functions of one component.")
+    .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "(i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.")
     .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"), "The number of the crack at which it jumps.")
-    .def("HeavisideSide", &CrackFESpace::HeavisideSide, py::arg("j"), py::arg("element"), "The side of an element of the support: 1, -1, or 0 if the crack divides it or runs along it.")
-    .def("HeavisideDof", &CrackFESpace::HeavisideDof, py::arg("j"), py::arg("component"))
-    .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"))
+    .def("HeavisideSide", &CrackFESpace::HeavisideSide, py::arg("j"), py::arg("element"),
+         "The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere.")
+    .def("HeavisideDof", &CrackFESpace::HeavisideDof, py::arg("j"), py::arg("component"), "The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y).")
+    .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"), "The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.")
     .def(py::pickle([] (const CrackFESpace & v) { return py::make_tuple(v.GetBody(), v.TipSpecs(), v.Tolerance(), v.GetFlags()); },
                     [] (py::tuple t) { return Updated(make_shared<CrackFESpace>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<TipSpecs>(),
                                                                                 t[2].cast<double>(), t[3].cast<Flags>())); }));
@@ -71,17 +74,19 @@ static shared_ptr<TraceSpace> MakeTraceSpace (shared_ptr<CrackedMesh> body, shar
 
 static void ExportTraceSpace (py::module & m)
 {
-  py::class_<TraceSpace, shared_ptr<TraceSpace>, FESpace> space(m, "TraceSpace");
-  py::class_<TraceBasis, shared_ptr<TraceBasis>>(m, "TraceBasis")
-    .def_property_readonly("nodes", &TraceBasis::Nodes)
-    .def_property_readonly("ndof", &TraceBasis::NDof);
-  py::class_<NodalTraceBasis, shared_ptr<NodalTraceBasis>, TraceBasis>(m, "NodalTraceBasis")
+  py::class_<TraceSpace, shared_ptr<TraceSpace>, FESpace> space(m, "TraceSpace", "The space of multipliers on the cracks; ngsxfem_contact.TraceSpace builds it from a name.");
+  py::class_<TraceBasis, shared_ptr<TraceBasis>>(m, "TraceBasis", "The functions of a TraceSpace, and where they live.")
+    .def_property_readonly("nodes", &TraceBasis::Nodes, "Arc lengths of the nodes, one list for each crack.")
+    .def_property_readonly("ndof", &TraceBasis::NDof, "The number of functions.");
+  py::class_<NodalTraceBasis, shared_ptr<NodalTraceBasis>, TraceBasis>(m, "NodalTraceBasis",
+      "Lagrange functions between nodes: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.\n"
+      "Raises an Exception for nodes that do not increase from 0 to the length of each crack.")
     .def(py::init([] (shared_ptr<CrackedMesh> body, int order, CrackNodes nodes) { return make_shared<NodalTraceBasis>(body, order, nodes); }),
          py::arg("body"), py::arg("order"), py::arg("nodes"))
-    .def("DofPositions", &NodalTraceBasis::DofPositions, py::arg("crack"))
+    .def("DofPositions", &NodalTraceBasis::DofPositions, py::arg("crack"), "The arc length to which each function of a crack belongs.")
     .def(py::pickle([] (const NodalTraceBasis & b) { return py::cast(b.Arguments()).cast<py::tuple>(); },
                     [] (py::tuple t) { return make_shared<NodalTraceBasis>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<int>(), t[2].cast<CrackNodes>()); }));
-  py::class_<MeshTraceBasis, shared_ptr<MeshTraceBasis>, TraceBasis>(m, "MeshTraceBasis")
+  py::class_<MeshTraceBasis, shared_ptr<MeshTraceBasis>, TraceBasis>(m, "MeshTraceBasis", "Restrictions to the cracks of the P_j functions of the mesh, but for those of the numbers left_out, on which the others must not depend.")
     .def(py::init([] (shared_ptr<CrackedMesh> body, int order, CrackNodes nodes, const std::set<size_t> & left_out)
                   { return make_shared<MeshTraceBasis>(body, order, nodes, left_out); }),
          py::arg("body"), py::arg("order"), py::arg("nodes"), py::arg("left_out"))
@@ -90,9 +95,9 @@ static void ExportTraceSpace (py::module & m)
                                                                           t[3].cast<std::set<size_t>>()); }));
   space
     .def(py::init(&MakeTraceSpace), py::arg("body"), py::arg("basis"), py::arg("order"))
-    .def_property_readonly("body", &TraceSpace::GetBody)
-    .def_property_readonly("basis", &TraceSpace::Basis)
-    .def_property_readonly("order", [] (const TraceSpace & w) { return w.GetOrder(); })
+    .def_property_readonly("body", &TraceSpace::GetBody, "The CrackedMesh.")
+    .def_property_readonly("basis", &TraceSpace::Basis, "The TraceBasis.")
+    .def_property_readonly("order", [] (const TraceSpace & w) { return w.GetOrder(); }, "The order of the functions.")
     .def_property_readonly("dcrack", &TraceSpace::CrackSymbol, "The measure on the cracks, its rules divided at the nodes of this space.")
     .def(py::pickle([] (const TraceSpace & w) { return py::make_tuple(w.GetBody(), w.Basis(), w.GetOrder()); },
                     [] (py::tuple t) { return MakeTraceSpace(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<shared_ptr<TraceBasis>>(), t[2].cast<int>()); }));

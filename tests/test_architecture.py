@@ -6,9 +6,12 @@ import re
 from functools import cache
 from pathlib import Path
 
+import ngsolve
+import numpy as np
 import pytest
 
 import ngsxfem_contact
+from ngsxfem_contact import _ngsxfem_contact as extension
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "ngsxfem_contact"
@@ -174,6 +177,7 @@ def test_files_are_short(path):
 
 
 PUBLIC = {name: value for name, value in vars(ngsxfem_contact).items() if not name.startswith("_") and not inspect.ismodule(value)}
+REPLACED = {"Variation"}  # of NGSolve's names: ours varies over NGSolve's measures, too
 EXPECTED = """
     BarbosaHughes Coercivity ContactProblem ContactSolution Coulomb Crack CrackFESpace CrackedMesh Elasticity FixedPoint FullNewton
     Gradient InfSup Jump LoadCase LoadSteps Minus Nitsche NormalGap NormalStress NotCoercive NotConverged Plus SingularSystem Slip SolveError Strain
@@ -185,28 +189,78 @@ def test_public_names_exist():
     assert set(EXPECTED) <= set(PUBLIC)
 
 
+def test_a_star_import_brings_the_public_names_only():
+    names = {}
+    exec("from ngsxfem_contact import *", names)
+    assert names.keys() - {"__builtins__"} == set(ngsxfem_contact.__all__) == set(PUBLIC)
+    assert len(ngsxfem_contact.__all__) == len(PUBLIC)
+
+
+def test_a_star_import_hides_nothing_of_ngsolve():
+    names = {}
+    exec("from ngsolve import *; from netgen.geom2d import *; from netgen.occ import *", names)
+    assert set(PUBLIC) & names.keys() == REPLACED
+
+
+def test_variation_replaces_that_of_ngsolve():
+    """The same matrix over NGSolve's measures."""
+    V = ngsolve.H1(ngsolve.Mesh(ngsolve.unit_square.GenerateMesh(maxh=0.5)), order=2)
+    point = ngsolve.GridFunction(V)
+    point.Set(ngsolve.x * ngsolve.y + 1)
+    values = []
+    for variation in (ngsolve.Variation, ngsxfem_contact.Variation):
+        u = V.TrialFunction()
+        form = ngsolve.BilinearForm(V)
+        form += variation((u**4 + ngsolve.InnerProduct(ngsolve.grad(u), ngsolve.grad(u))) * ngsolve.dx + u**3 * ngsolve.ds)
+        form.AssembleLinearization(point.vec)
+        values.append(np.array(form.mat.AsVector()))
+    assert np.abs(values[0]).max() > 1 and values[1] == pytest.approx(values[0], rel=1e-12, abs=1e-14)
+
+
+# Docstrings
+
+
+def undocumented(node, prefix):
+    """Modules, classes and functions without a docstring that have public names, those inside functions left out."""
+    if not ast.get_docstring(node):
+        yield prefix
+    for child in node.body if not isinstance(node, ast.FunctionDef) else ():
+        if isinstance(child, (ast.ClassDef, ast.FunctionDef)) and not child.name.startswith("_"):
+            yield from undocumented(child, f"{prefix}.{child.name}")
+
+
+def written(thing, name):
+    """What was written in a docstring of the extension, beside the signatures and member lists that pybind11 puts there."""
+    return re.sub(rf"^{name}\(.*$|^Members:[\s\w]*|^\(self: .*$", "", thing.__doc__ or "", flags=re.M).strip()
+
+
+def exported():
+    """(name, object) of the classes, functions, methods and properties of the extension, enumerations without their values."""
+    for name, value in vars(extension).items():
+        if not name.startswith("_"):
+            yield name, value
+            of_enumeration = {"name", "value", *getattr(value, "__members__", ())} if hasattr(value, "__members__") else set()
+            for member, thing in vars(value).items() if inspect.isclass(value) else ():
+                if not member.startswith("_") and member not in of_enumeration:
+                    yield f"{name}.{member}", getattr(thing, "__func__", thing)
+
+
+def test_the_reader_of_docstrings_is_not_blind():
+    tree = ast.parse('class A:\n  """A."""\n  def f(self): pass\n  def _g(self): pass\n\ndef h(): pass')
+    assert list(undocumented(tree, "m")) == ["m", "m.A.f", "m.h"]
+    assert not written(extension.Side.__index__, "__index__") and "Crack.PointAt" in dict(exported()) and "Side.Plus" not in dict(exported())
+
+
+@pytest.mark.parametrize("path", [path for path in PYTHON_FILES if path.name != "_build_info.py"], ids=lambda path: path.name)
+def test_python_has_docstrings(path):
+    assert list(undocumented(ast.parse(path.read_text(encoding="utf-8")), path.stem)) == []
+
+
+def test_the_extension_has_docstrings():
+    assert [name for name, thing in exported() if len(written(thing, name.rpartition(".")[2])) <= 10] == []
+
+
 @pytest.mark.parametrize("name", sorted(PUBLIC))
 def test_public_names_have_docstrings(name):
-    """Beside the signatures and member lists that dataclass and pybind11 put where nothing was written."""
-    written = re.sub(rf"^{name}\(.*$|^Members:[\s\w]*", "", PUBLIC[name].__doc__ or "", flags=re.M)
-    assert len(written.strip()) > 10
-
-
-@pytest.mark.parametrize("path", PYTHON_FILES, ids=lambda path: path.name)
-def test_modules_have_docstrings(path):
-    if path.name != "_build_info.py":
-        assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
-
-
-def public_members():
-    for name, value in PUBLIC.items():
-        if inspect.isclass(value) and value.__module__.startswith("ngsxfem_contact."):
-            for member, function in vars(value).items():
-                if not member.startswith("_") and (inspect.isfunction(function) or isinstance(function, (property, staticmethod))):
-                    if not value.__module__.endswith("_ngsxfem_contact"):
-                        yield pytest.param(function, id=f"{name}.{member}")
-
-
-@pytest.mark.parametrize("function", list(public_members()))
-def test_public_methods_have_docstrings(function):
-    assert inspect.getdoc(function)
+    """Beside the signature that dataclass puts where nothing was written."""
+    assert len(written(PUBLIC[name], name)) > 10

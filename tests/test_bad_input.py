@@ -43,7 +43,7 @@ def test_cracks(points, message):
 
 @pytest.mark.parametrize("points", [[(0, 0, 0), (1, 0, 0)], "ab", 3, [1, 2], [("a", "b"), ("c", "d")]])
 def test_things_that_are_no_points(points):
-    with refused("", (TypeError, RuntimeError)):
+    with pytest.raises((TypeError, RuntimeError)):
         Crack(points)
 
 
@@ -163,10 +163,12 @@ def test_regions():
         (dict(tip=[]), "0 tip enrichments for 1 tips"),
         (dict(tip=[None, None]), "2 tip enrichments for 1 tips"),
         (dict(tip=TipEnrichment(r1=0.41)), r"the disk r1 = 0.41 of the tip at \(0.6, 0.53\) reaches the boundary of the body, at 0.4; choose r1 below"),
-        (dict(tip=TipEnrichment(r0=0.1, r1=INF)), "reaches the boundary"),
-        (dict(tip=TipEnrichment(r1=NAN)), "0 <= r0 < r1"),
-        (dict(tip=TipEnrichment(r0=-0.1, r1=0.2)), "needs 0 <= r0 < r1, got r0 = -0.1, r1 = 0.2"),
-        (dict(tip=TipEnrichment(r0=0.2, r1=0.2)), "needs 0 <= r0 < r1"),
+        (dict(tip=TipEnrichment(r0=0.4)), "needs 0 <= r0 < r1, got r0 = 0.4, r1 = 0.36"),  # r1 is chosen from the tip's clearance
+        (dict(order=1.5), "order=1.5 is not a whole number"),
+        (dict(order=NAN), "order=nan is not a whole number"),
+        (dict(tip=0.1), "tip=0.1 is neither a TipEnrichment nor None"),
+        (dict(tip=[Elasticity(1, 1)]), "is neither a TipEnrichment nor None"),
+        (dict(dirichlet=3), "dirichlet=3 is not the name of a boundary"),
         (dict(complex=True), "complex=True is not supported"),
     ],
 )
@@ -184,11 +186,29 @@ def test_spaces(options, message):
         (dict(tolerance=0), "tolerance"),
         (dict(tolerance=-1e-9), "tolerance"),
         (dict(tolerance=NAN), "tolerance"),
+        (dict(r1=NAN), "r1=nan must be positive and finite"),
+        (dict(r1=INF), "r1=inf must be positive and finite"),
+        (dict(r1=-0.2), "r1=-0.2 must be positive"),
+        (dict(r0=NAN), "r0=nan must be .* 0 <= r0 < r1"),
+        (dict(r0=-0.1, r1=0.2), "r0=-0.1 must be less than r1=0.2: the cut-off needs 0 <= r0 < r1"),
+        (dict(r0=0.2, r1=0.2), "needs 0 <= r0 < r1"),
     ],
 )
 def test_tip_enrichments(options, message):
     with refused(message, ValueError):
         TipEnrichment(**options)
+
+
+@pytest.mark.parametrize("options", [dict(r1="far"), dict(r0=[0.1]), dict(material=1.0), dict(tolerance=None)])
+def test_tip_enrichments_of_other_things(options):
+    with refused(f"TipEnrichment: {next(iter(options))}=", TypeError):
+        TipEnrichment(**options)
+
+
+@pytest.mark.parametrize("space", [CrackFESpace, TraceSpace])
+def test_spaces_need_a_cracked_mesh(space):
+    with refused(r"is not a CrackedMesh; build one by CrackedMesh\(mesh, crack", TypeError):
+        space(MESH)
 
 
 def test_disks_of_two_tips_of_one_crack_must_not_overlap():
@@ -216,6 +236,18 @@ def test_nodes_of_multipliers(nodes, basis):
 def test_messages_about_nodes_name_numbers():
     with refused("nodes on crack 0 must be arc lengths that increase from 0 to its length 0.6003"):
         TraceSpace(BODY, order=1, nodes=[0, 0.3])
+
+
+@pytest.mark.parametrize("nodes", [5, "all", [["start", "end"]]])
+def test_things_that_are_no_nodes(nodes):
+    with refused("nodes=.* are no arc lengths, one list of numbers for each crack", TypeError):
+        TraceSpace(BODY, nodes=nodes)
+
+
+@pytest.mark.parametrize("order", [1.5, NAN, "1"])
+def test_orders_that_are_no_whole_numbers(order):
+    with refused("order=.* is not a whole number", TypeError):
+        TraceSpace(BODY, order=order)
 
 
 @pytest.mark.parametrize("options, message", [(dict(order=-1), "order=-1"), (dict(basis="dual"), "basis='dual' is not 'nodal' or 'trace'")])

@@ -156,17 +156,18 @@ def test_load_that_is_not_finite(load):
 
 def test_given_displacement_that_is_not_finite():
     p = problem(dirichlet="top")
-    with pytest.raises(ValueError, match="given displacement is not finite .* check Pin and SetDirichlet"):
+    with pytest.raises(ValueError, match=r"SetDirichlet: the value is not finite \(NaN or inf\) somewhere on 'top'"):
         p.SetDirichlet((nan, 0), "top")
+    p.given.vec[0] = nan
+    with pytest.raises(ValueError, match="given displacement is not finite .* check Pin and SetDirichlet"):
         p.Solve()
 
 
 def test_pin_to_a_value_that_is_not_finite():
     p = problem()
     p.Pin((1, -0.5), "xy")
-    with pytest.raises(ValueError, match="not finite"):
+    with pytest.raises(ValueError, match="Pin: value=nan is not finite"):
         p.Pin((1, 0.5), "x", value=nan)
-        p.Solve()
 
 
 # Pin
@@ -183,7 +184,7 @@ def test_pin_of_a_component_that_does_not_exist(components):
         problem().Pin((1, 0.5), components)
 
 
-@pytest.mark.parametrize("point", [(1,), (1, 0.5, 0), 1, (nan, 0)])
+@pytest.mark.parametrize("point", [(1,), (1, 0.5, 0), 1, (nan, 0), "ab", ("a", "b")])
 def test_pin_at_something_that_is_no_point(point):
     with pytest.raises(ValueError, match="Pin"):
         problem().Pin(point, "x")
@@ -197,8 +198,14 @@ def test_pin_where_the_displacement_jumps():
 
 
 def test_pin_with_a_wrong_number_of_values():
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match=r"value=\(1, 2, 3\) is not a number, nor two, one for each component"):
         problem().Pin((1, 0.5), "xy", value=(1, 2, 3))
+
+
+@pytest.mark.parametrize("value", ["far", CF(1), (1, 2)])
+def test_pin_to_something_that_is_no_number(value):
+    with pytest.raises(ValueError, match="Pin: value=.* is not a number$"):
+        problem().Pin((1, 0.5), "x", value=value)
 
 
 # The problem
@@ -238,7 +245,7 @@ def test_stabilisation_that_is_none_of_ours():
 
 @pytest.mark.parametrize("gamma0", [0, -0.1, nan, float("inf")])
 def test_gamma0_out_of_range(gamma0):
-    with pytest.raises(ValueError, match="gamma0=.* must be positive; stabilisation=None switches it off"):
+    with pytest.raises(ValueError, match="gamma0=.* must be positive and finite; stabilisation=None switches it off"):
         BarbosaHughes(gamma0=gamma0)
 
 

@@ -51,6 +51,20 @@ def test_members(name):
     assert described == members - ({"__init__"} - described)
 
 
+def words(text):
+    return (text or "").split()
+
+
+@pytest.mark.parametrize("name", sorted(CLASSES))
+def test_docstrings(name):
+    """Those of the stub are those of the extension, beside the signatures that pybind11 writes first."""
+    things = {node.name: (node, vars(getattr(extension, name))[node.name]) for node in CLASSES[name].body if isinstance(node, ast.FunctionDef)}
+    for node, thing in [(CLASSES[name], getattr(extension, name)), *things.values()]:
+        described = words(ast.get_docstring(node))
+        found = words(getattr(thing, "__func__", thing).__doc__)
+        assert described == found[len(found) - len(described) :], node.name
+
+
 @pytest.mark.parametrize("name", sorted(CLASSES))
 def test_arguments(name):
     for node in CLASSES[name].body:

@@ -1,0 +1,52 @@
+"""Arguments that make no sense are refused where they are given: what is wrong, its value, what it must be."""
+
+from numbers import Real
+
+import numpy as np
+from ngsolve import CoefficientFunction
+
+INFINITY = float("inf")
+
+
+def check_number(value, name, holds=lambda value: -INFINITY < value < INFINITY, must="be finite"):
+    """Raises TypeError for what is no number, ValueError unless holds(value); write conditions that NaN does not fulfil."""
+    if not isinstance(value, Real):
+        raise TypeError(f"{name}={value!r} is not a number")
+    if not holds(value):
+        raise ValueError(f"{name}={value} must {must}")
+
+
+def check_positive(value, name, hint=""):
+    """Raises unless value is a number, 0 < value < inf."""
+    check_number(value, name, lambda number: 0 < number < INFINITY, f"be positive and finite{hint}")
+
+
+def check_whole(value, name, least):
+    """Raises unless value is a whole number, at least `least`."""
+    if not isinstance(value, int | np.integer):
+        raise TypeError(f"{name}={value!r} is not a whole number")
+    if value < least:
+        raise ValueError(f"{name}={value} must be {least} or more")
+
+
+def check_item(number, items, what, where):
+    """Raises ValueError unless number is that of an item, counted from the first one."""
+    if not isinstance(number, int | np.integer) or not 0 <= number < len(items):
+        raise ValueError(f"there is no {what} {number!r}; {where} has {len(items)}, counted from 0")
+
+
+def check_type(value, types, name, must):
+    """Raises TypeError unless value is an instance of one of the types; must: what it has to be, in words."""
+    if not isinstance(value, types):
+        raise TypeError(f"{name}={value!r} is not {must}")
+
+
+def check_function(value, name, dim):
+    """The CoefficientFunction of a value; raises TypeError for what is none, ValueError unless it has `dim` components."""
+    try:
+        function = CoefficientFunction(value)
+    except Exception:
+        raise TypeError(f"{name}={value!r} is neither a number nor a CoefficientFunction") from None
+    if function.dim != dim:
+        raise ValueError(f"{name} has {function.dim} component(s), it must {'be a scalar' if dim == 1 else f'have {dim}'}")
+    return function
