@@ -22,6 +22,7 @@ __all__: list[str] = [
     "Degeneracy",
     "ElementKind",
     "ElementLocation",
+    "ElementPart",
     "EndKind",
     "InnerIntegrals",
     "MeshTraceBasis",
@@ -385,6 +386,35 @@ class ElementLocation:
         The three corners (x, y) of the element.
         """
 
+class ElementPart:
+    """
+    A part of an element that cracks meet.
+    """
+
+    @property
+    def crack(self) -> int:
+        """
+        The crack that the side and the curved side of the piece belong to.
+        """
+
+    @property
+    def larger(self) -> list[bool]:
+        """
+        For each of the element's cracks: whether this belongs to the larger part beside it.
+        """
+
+    @property
+    def piece(self) -> Piece:
+        """
+        Its triangle, side and curved side: a Piece.
+        """
+
+    @property
+    def sides(self) -> list[Side]:
+        """
+        With respect to each of the element's cracks.
+        """
+
 class EndKind:
     """
     An end of a crack: a Tip inside the body or a Mouth on its boundary.
@@ -479,14 +509,19 @@ class CrackedMesh:
 
     mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined afterwards: build a new CrackedMesh then.
     Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the
-    larger part of each element that a crack meets. Each may be restricted: body.ds("left|right").
+    larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds("left|right").
     Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet
-    each other or the same element.
+    each other, or an element without a strip between them (3 % of its size).
     """
 
     def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
         """
         BitArray of the elements that carry a part of a crack (None: of any).
+        """
+
+    def CracksOf(self, element: int) -> list[int]:
+        """
+        Numbers of the cracks that meet an element.
         """
 
     def CutBoundaryElements(self, crack: int) -> list[int]:
@@ -512,6 +547,11 @@ class CrackedMesh:
     def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple:
         """
         (elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.
+        """
+
+    def Parts(self, element: int) -> list[ElementPart]:
+        """
+        The ElementParts into which the cracks divide an element; none if no crack meets it.
         """
 
     def __init__(self, mesh: ngsolve.comp.Mesh, *args) -> None: ...
@@ -666,6 +706,11 @@ class CrackFESpace(ngsolve.comp.FESpace):
     def Heaviside(self, j: int) -> tuple[int, int]:
         """
         (i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.
+        """
+
+    def HeavisideCrack(self, j: int) -> int:
+        """
+        The number of the crack at which it jumps.
         """
 
     def HeavisideDof(self, j: int, component: int) -> int:

@@ -29,11 +29,13 @@ class SplitMesh:
         self.body, self._mesh = body, None
         tolerance = 1e-9 * min(location.h for c in range(len(body.cracks)) for location in body.Elements(c))
         points, triangles, parent = conforming_triangles(body, tolerance)
+        carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))]).T
         for _ in range(subdivision):
-            points, triangles = divide_in_four(points, triangles)
+            edge, _, crack_of, _ = crack_edges(body.cracks, points, triangles, carried[parent[:, 0]], tolerance)
+            middles = on_curves(body.cracks, crack_of, points[triangles.ravel()[[edge, next_corner(edge)]]])
+            points, triangles = divide_in_four(points, triangles, edge, middles)
             parent = np.tile(parent, (4, 1))
         self.element, self.side = parent.T.copy()
-        carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))]).T
         self._Double(points, triangles, *crack_edges(body.cracks, points, triangles, carried[self.element], tolerance))
         self.reference = reference_coordinates(body.mesh, self.points[self.triangles], self.element)
         if body.mesh.GetCurveOrder() > 1:
@@ -109,9 +111,10 @@ def conforming_triangles(body, tolerance):
     new = number[len(vertices) :]
     triangles = np.concatenate([number[elements[uncut]], new[: len(corners)].reshape(-1, 3)])
     parent = np.concatenate([np.stack([uncut, 0 * uncut], axis=1), np.array([piece[1:] for piece in pieces], dtype=int).reshape(-1, 2)])
-    thin = np.any(triangles == np.roll(triangles, 1, axis=1), axis=1)
-    triangles, parent = triangles[~thin], parent[~thin]
     a, b, c = np.moveaxis(points[triangles], 1, 0)
+    longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
+    thick = np.abs(cross(b - a, c - a)) > tolerance * longest  # others have a corner on an edge: they would be divided for ever
+    triangles, parent, a, b, c = (array[thick] for array in (triangles, parent, a, b, c))
     clockwise = cross(b - a, c - a) < 0
     triangles[clockwise] = triangles[clockwise, ::-1]
     return points, *without_hanging_points(points, triangles, parent, np.unique(new), tolerance)
@@ -182,14 +185,25 @@ def hanging_points(points, triangles, candidates, tolerance):
     return point, corner
 
 
-def divide_in_four(points, triangles):
-    """Points with the middles of the edges, and triangles; those of the first quarter come first, and so on."""
+def on_curves(cracks, crack_of, ends):
+    """For edges with ends (2,L,2) on cracks (L,) the points (L,2) of the cracks half-way between."""
+    middles = ends.mean(axis=0)
+    for i, c in enumerate(crack_of):
+        if any(kind != "segment" for kind, _ in cracks[c].pieces):
+            middles[i] = cracks[c].PointAt(np.mean([cracks[c].ArcLength(tuple(end)) for end in ends[:, i]]))
+    return middles
+
+
+def divide_in_four(points, triangles, edge, middles):
+    """Points with the middles of the edges, given (L,2) for some (L,), and triangles; those of the first quarter come first, and so on."""
     ends = np.sort([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()], axis=0)
     edges, number = np.unique(ends, axis=1, return_inverse=True)
     p, q, r = triangles.T
     pq, qr, rp = (len(points) + number.reshape(-1, 3)).T
     quarters = [(p, pq, rp), (pq, q, qr), (rp, qr, r), (pq, qr, rp)]
-    return np.concatenate([points, points[edges].mean(axis=0)]), np.concatenate([np.stack(part, axis=1) for part in quarters])
+    halves = points[edges].mean(axis=0)
+    halves[number.ravel()[edge]] = middles
+    return np.concatenate([points, halves]), np.concatenate([np.stack(part, axis=1) for part in quarters])
 
 
 def next_corner(corner):

@@ -88,7 +88,7 @@ static void ExportLocation (py::module & m)
     .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); }, "Arc lengths at which the crack enters and leaves it.")
     .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); }, "The three corners (x, y) of the element.");
   py::class_<ElementPart>(m, "ElementPart", "A part of an element that cracks meet.")
-    .def_readonly("piece", &ElementPart::piece, "Its Piece.")
+    .def_readonly("piece", &ElementPart::piece, "Its triangle, side and curved side: a Piece.")
     .def_readonly("crack", &ElementPart::crack, "The crack that the side and the curved side of the piece belong to.")
     .def_readonly("sides", &ElementPart::sides, "With respect to each of the element's cracks.")
     .def_readonly("larger", &ElementPart::larger, "For each of the element's cracks: whether this belongs to the larger part beside it.");

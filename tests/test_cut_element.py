@@ -5,7 +5,22 @@ import pytest
 from helpers import on_crack, random_function, rectangle, structured
 from ngsolve import CF, InnerProduct, Integrate, x, y
 
-from ngsxfem_contact import BarbosaHughes, Coercivity, ContactProblem, Crack, CrackedMesh, CrackFESpace, Coulomb, Elasticity, Jump, Minus, Nitsche, Plus, TipEnrichment, TraceSpace  # fmt: skip
+from ngsxfem_contact import (  # fmt: skip
+    BarbosaHughes,
+    Coercivity,
+    ContactProblem,
+    Coulomb,
+    Crack,
+    CrackedMesh,
+    CrackFESpace,
+    Elasticity,
+    Jump,
+    Minus,
+    Nitsche,
+    Plus,
+    TipEnrichment,
+    TraceSpace,
+)
 from ngsxfem_contact.split_mesh import SplitMesh
 
 MATERIAL = Elasticity(lam=1, mu=1)
