@@ -187,7 +187,7 @@ def test_pictures_show_every_crack_open(body):
 
 @pytest.mark.parametrize(
     "second",
-    [Crack([(0, 0.4401), (1, 0.4401)]), Crack.Arc((0.28, 0.47), (0.33, 0.443), (0.38, 0.47))],
+    [Crack([(0, 0.4401), (1, 0.4401)]), Crack.Arc((0.2, 0.452), (0.33, 0.4442), (0.46, 0.452))],
     ids=["a thin ligament", "a tangent"],
 )
 def test_cracks_too_close_for_the_mesh_are_refused_with_the_place(second):
