@@ -1,6 +1,7 @@
 """The docstrings of the package as reStructuredText.
 
 They are written to be read as they are: paragraphs, and lines "name: what it is.    other: ..." with continuations indented.
+Indented paragraphs are code or formulas, and ">>>" begins an example.
 """
 
 import re
@@ -12,11 +13,16 @@ def as_restructured_text(app, what, name, obj, options, lines):
     """Sphinx calls this for each docstring; lines are changed in place."""
     text = "\n".join(lines)
     text = re.sub(r"\n(?:Members:|__init__\().*", "", text, flags=re.S)  # of pybind11
-    lines[:] = [line for paragraph in re.split(r"\n\s*\n", text) for line in paragraph_lines(paragraph)]
+    lines[:] = [line for paragraph in re.split(r"\n(?:[ \t]*\n)+", text) for line in paragraph_lines(paragraph)]
 
 
 def paragraph_lines(paragraph):
-    """A paragraph, or one line block if it lists arguments."""
+    """A paragraph, or one line block if it lists arguments, or code."""
+    written = paragraph.splitlines()
+    if written and written[0].startswith(">>>"):
+        return [*written, ""]
+    if written and all(line.startswith("    ") for line in written):
+        return ["::", "", *written, ""]
     items = joined(paragraph.splitlines())
     if not any(ITEM.match(item) for item in items):
         return [escaped(" ".join(items)), ""]
