@@ -85,7 +85,7 @@ solution = problem.Solve()
 print(solution.report)
 
 # %%
-plot_body(solution)
+plot_body(solution, scale=5)
 plt.show()
 
 # %% [markdown]
