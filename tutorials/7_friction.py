@@ -139,7 +139,7 @@ print(f"least work of a step {min(work):.1e}, of the whole cycle {sum(work):.3e}
 # %% [markdown]
 # ## Is it right?
 #
-# 1. **Closed form (e)** of [method](../method.md): the crack is pressed by $-p$ and slides on its whole length under $\sigma_{xy} = \mu_f\, p$, with a field of $K_{II} = 1$ on top. Exact
+# 1. **Closed form (e)** of [method](../method.md), section 10: the crack is pressed by $-p$ and slides on its whole length under $\sigma_{xy} = \mu_f\, p$, with a field of $K_{II} = 1$ on top. Exact
 #    displacements on the boundary of a rotated square; errors of $u$ in the energy norm, of $\lambda$, $\lambda_t$ and $g_t$ in $L^2(\Gamma_C)$.
 # 2. **Fitted meshes**: energies and forces of the paper's problem with friction.
 
