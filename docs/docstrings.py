@@ -6,7 +6,8 @@ Indented paragraphs are code or formulas, and ">>>" begins an example.
 
 import re
 
-ITEM = re.compile(r"^((?:[\w*]+(?:, | and )?)+): ")
+NAMES = r"(?:[\w*]+(?:, | and ))*[\w*]+"
+ITEM = re.compile(rf"^({NAMES}): ")
 
 
 def as_restructured_text(app, what, name, obj, options, lines):
@@ -23,20 +24,27 @@ def paragraph_lines(paragraph):
         return [*written, ""]
     if written and all(line.startswith("    ") for line in written):
         return ["::", "", *written, ""]
-    items = joined(paragraph.splitlines())
+    items = joined(written)
     if not any(ITEM.match(item) for item in items):
         return [escaped(" ".join(items)), ""]
-    return [*("| " + ITEM.sub(lambda match: f"**{match[1]}**: ", escaped(item)) for item in items), ""]
+    return [*("| " + emphasised(item) for item in items), ""]
+
+
+def emphasised(item):
+    """The names of an argument's item in bold."""
+    match = ITEM.match(item)
+    return f"**{escaped(match[1])}**: {escaped(item[match.end() :])}" if match else escaped(item)
 
 
 def joined(lines):
     """Continuations joined to their line, and lines with several items divided."""
     items = []
     for line in lines:
-        parts = re.split(r" {4}(?=\w[\w, ]*: )", line) if line.strip() else []
+        parts = re.split(rf"(?<=\S) {{4}}(?={NAMES}: )", line) if line.strip() else []
         if not parts:
             continue
-        starts = ITEM.match(parts[0]) or not items or not (line.startswith(" ") or items and not ITEM.match(items[-1]))
+        sentence_after_item = items and ITEM.match(items[-1]) and items[-1].endswith(".") and not line.startswith(" ")
+        starts = ITEM.match(parts[0]) or not items or sentence_after_item
         if starts:
             items.append(parts[0].strip())
         else:

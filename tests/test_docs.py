@@ -162,22 +162,19 @@ def test_the_picture_of_the_structure_is_that_of_the_sources():
     assert {unit for graph in tool["graphs"]().values() for unit in graph} == grouped  # every unit has a colour, and exists
 
 
-def test_examples_and_code_of_docstrings_stay_as_they_are():
+def test_docstrings_become_paragraphs_items_and_code():
     convert = runpy.run_path(str(DOCS / "docstrings.py"))["as_restructured_text"]
-    lines = ["A number.", "", "n: of terms.    m: of others,", "    and more.", "", "    a = b + c", "    d = a*b", "", ">>> f(1)", "2"]
-    convert(None, "function", "f", None, None, lines)
-    assert lines == [
+    lines = [
         "A number.",
         "",
-        "| **n**: of terms.",
-        "| **m**: of others, and more.",
-        "",
-        "::",
-        "",
-        "    a = b + c",
-        "    d = a*b",
-        "",
-        ">>> f(1)",
-        "2",
+        "n: of terms.    bonus_order: of",
+        "the rule, for what is no polynomial: more.",
+        "m: of others,",
+        "    and more.",
+        "A sentence.",
         "",
     ]
+    lines += ["    a = b + c", "    d = a*b", "", ">>> f(1)", "2"]
+    convert(None, "function", "f", None, None, lines)
+    items = ["| **n**: of terms.", "| **bonus\\_order**: of the rule, for what is no polynomial: more.", "| **m**: of others, and more.", "| A sentence."]
+    assert lines == ["A number.", "", *items, "", "::", "", "    a = b + c", "    d = a*b", "", ">>> f(1)", "2", ""]
