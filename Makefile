@@ -18,7 +18,7 @@ demo: $(VENV)/plot.stamp ## build the package into .venv and run its main job in
 	cd results && ../$(BIN)/python -m ngsxfem_contact
 
 test: $(VENV)/test.stamp ## build the package into .venv and run its tests
-	$(BIN)/python -m pytest tests
+	$(BIN)/python -m pytest tests $(PYTEST)
 
 dev: $(VENV)/dev.stamp ## editable install into .venv that compiles only what changed
 	$(BIN)/pip install --no-build-isolation -e '.[plot,test]'

@@ -13,7 +13,8 @@ extensions = ["myst_nb", "sphinx.ext.autodoc"]
 exclude_patterns = ["tutorials/.ipynb_checkpoints"]
 html_theme = "furo"
 html_title = project
-html_static_path = []
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 3

@@ -1,36 +1,50 @@
 """The docstrings of the package as reStructuredText.
 
 They are written to be read as they are: paragraphs, and lines "name: what it is.    other: ..." with continuations indented.
+Indented paragraphs are code or formulas, and ">>>" begins an example.
 """
 
 import re
 
-ITEM = re.compile(r"^((?:[\w*]+(?:, | and )?)+): ")
+NAMES = r"(?:[\w*]+(?:, | and ))*[\w*]+"
+ITEM = re.compile(rf"^({NAMES}): ")
 
 
 def as_restructured_text(app, what, name, obj, options, lines):
     """Sphinx calls this for each docstring; lines are changed in place."""
     text = "\n".join(lines)
     text = re.sub(r"\n(?:Members:|__init__\().*", "", text, flags=re.S)  # of pybind11
-    lines[:] = [line for paragraph in re.split(r"\n\s*\n", text) for line in paragraph_lines(paragraph)]
+    lines[:] = [line for paragraph in re.split(r"\n(?:[ \t]*\n)+", text) for line in paragraph_lines(paragraph)]
 
 
 def paragraph_lines(paragraph):
-    """A paragraph, or one line block if it lists arguments."""
-    items = joined(paragraph.splitlines())
+    """A paragraph, or one line block if it lists arguments, or code."""
+    written = paragraph.splitlines()
+    if written and written[0].startswith(">>>"):
+        return [*written, ""]
+    if written and all(line.startswith("    ") for line in written):
+        return ["::", "", *written, ""]
+    items = joined(written)
     if not any(ITEM.match(item) for item in items):
         return [escaped(" ".join(items)), ""]
-    return [*("| " + ITEM.sub(lambda match: f"**{match[1]}**: ", escaped(item)) for item in items), ""]
+    return [*("| " + emphasised(item) for item in items), ""]
+
+
+def emphasised(item):
+    """The names of an argument's item in bold."""
+    match = ITEM.match(item)
+    return f"**{escaped(match[1])}**: {escaped(item[match.end() :])}" if match else escaped(item)
 
 
 def joined(lines):
     """Continuations joined to their line, and lines with several items divided."""
     items = []
     for line in lines:
-        parts = re.split(r" {4}(?=\w[\w, ]*: )", line) if line.strip() else []
+        parts = re.split(rf"(?<=\S) {{4}}(?={NAMES}: )", line) if line.strip() else []
         if not parts:
             continue
-        starts = ITEM.match(parts[0]) or not items or not (line.startswith(" ") or items and not ITEM.match(items[-1]))
+        sentence_after_item = items and ITEM.match(items[-1]) and items[-1].endswith(".") and not line.startswith(" ")
+        starts = ITEM.match(parts[0]) or not items or sentence_after_item
         if starts:
             items.append(parts[0].strip())
         else:

@@ -100,7 +100,7 @@ for mode, (above, below) in enumerate(axes.T):
     above.tripcolor(
         *deformed.T, split.triangles, facecolors=np.linalg.norm(split.Evaluate(Plus(function), Minus(function), function), axis=1)[split.triangles].mean(axis=1)
     )
-    above.set(aspect="equal", title=("mode I", "mode II")[mode])
+    above.set(aspect="equal", title=("mode I", "mode II")[mode], xlabel="x", ylabel="y")
     jump = Jump(function)(points)
     below.plot(s, jump[:, 1], label="normal: gap")
     below.plot(s, jump[:, 0], label="tangential: slip")

@@ -57,6 +57,7 @@ ax.plot(np.take(nodes, node), iteration, "s", color="tab:red", label="in contact
 iteration, node = np.nonzero(~history)
 ax.plot(np.take(nodes, node), iteration, "s", color="tab:blue", markerfacecolor="none", label="open")
 ax.set(xlabel="arc length s of the node", ylabel="iteration")
+ax.set_yticks(range(len(history)))
 ax.invert_yaxis()
 ax.legend(loc="upper left", bbox_to_anchor=(1, 1))
 plt.show()
