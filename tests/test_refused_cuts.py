@@ -42,6 +42,13 @@ def test_cracks_that_a_mesh_cannot_carry(cracks, reason):
         CrackedMesh(structured(2), *(Crack(points) for points in cracks))
 
 
+def test_curves_that_meet():
+    """Named where they meet, which is not on the segments between their ends."""
+    with pytest.raises(Exception, match=r"cracks 0 and 1 meet near \(0.5, 0.69"):
+        CrackedMesh(MESH, Crack.Arc((0.1, 0.4), (0.5, 0.7), (0.9, 0.4)), Crack([(0.5, 0.9), (0.5, 0.45)]))
+    CrackedMesh(rectangle(0.05), Crack.Arc((0.1, 0.4), (0.5, 0.7), (0.9, 0.4)), Crack.Arc((0.1, 0.6), (0.5, 0.9), (0.9, 0.6)))
+
+
 def test_a_mesh_that_changed():
     mesh = structured(3)
     body = CrackedMesh(mesh, CRACK)
