@@ -8,7 +8,7 @@ CPP := $(wildcard cpp/*.?pp python/*.?pp)
 BUILD_REQUIRES = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | tr , ' ')
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test dev notebooks docs lint format tidy stubs coverage wheel clean
+.PHONY: help demo test dev notebooks docs lint format tidy stubs coverage sanitize wheel clean
 
 help: ## show these targets (default)
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
@@ -52,6 +52,9 @@ stubs: $(VENV)/dev_tools.stamp ## write the types of the extension, ngsxfem_cont
 
 coverage: $(VENV)/dev_tools.stamp ## run the tests with an instrumented build, report the lines reached
 	tools/coverage.sh $(BIN)/python
+
+sanitize: $(VENV)/dev_tools.stamp ## run the tests under the address and undefined-behaviour sanitizers
+	tools/sanitize.sh $(BIN)/python
 
 wheel: $(VENV)/dev_tools.stamp ## build sdist and wheel in dist/, as a release does
 	$(BIN)/python -m build

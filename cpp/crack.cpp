@@ -19,11 +19,12 @@ namespace ngsxfem_contact
       return orient(a,b,c)*orient(a,b,d) < 0 && orient(c,d,a)*orient(c,d,b) < 0;
     }
 
-    double Distance (Point a, Point b, Point c, Point d)
+    /// The distance of the segments ab and cd, and where: the crossing, or the end that is nearest to the other segment.
+    std::pair<double, Point> Approach (Point a, Point b, Point c, Point d)
     {
-      using ngsxfem_contact::Distance;
-      if (Cross(a, b, c, d)) return 0;
-      return std::min({ Distance(a,c,d), Distance(b,c,d), Distance(c,a,b), Distance(d,a,b) });
+      if (Cross(a, b, c, d)) return { 0, Lerp(a, b, ngsxfem_contact::Cross(c-a, d-c) / ngsxfem_contact::Cross(b-a, d-c)) };
+      std::pair<double, Point> ends[] { { Distance(a,c,d), a }, { Distance(b,c,d), b }, { Distance(c,a,b), c }, { Distance(d,a,b), d } };
+      return *std::min_element(std::begin(ends), std::end(ends), [] (auto & p, auto & q) { return p.first < q.first; });
     }
 
     /// A smaller turn between two pieces, one of them curved, is no kink.
@@ -124,11 +125,13 @@ namespace ngsxfem_contact
       for (size_t j = i+1; j < chords.size(); j++)
         {
           auto & c = chords[i], & d = chords[j];
-          double distance = j > i+1 ? Distance(c.a, c.b, d.a, d.b) - c.sagitta - d.sagitta
-            : std::min(ngsxfem_contact::Distance(d.b, c.a, c.b), ngsxfem_contact::Distance(c.a, d.a, d.b));
-          if (distance <= geometric_tolerance * Length())
+          // neighbours share d.a
+          auto [distance, place] = j == i+1 ? std::pair(std::min(Distance(d.b, c.a, c.b), Distance(c.a, d.a, d.b)), d.a)
+            : Approach(c.a, c.b, d.a, d.b);
+          double sagittas = j == i+1 ? 0 : c.sagitta + d.sagitta;
+          if (distance <= geometric_tolerance * Length() + sagittas)
             throw Exception("Crack: segments " + std::to_string(c.piece) + " and " + std::to_string(d.piece) + " meet near "
-                            + ToString(d.a) + "; a crack must not touch or cross itself: split or shorten it");
+                            + ToString(place) + "; a crack must not touch or cross itself: split or shorten it");
         }
   }
 
@@ -242,8 +245,7 @@ namespace ngsxfem_contact
     auto p = a.Outline(), q = b.Outline();
     for (size_t i = 0; i+1 < p.size(); i++)
       for (size_t j = 0; j+1 < q.size(); j++)
-        if (double d = Distance(p[i], p[i+1], q[j], q[j+1]); d < best.first)
-          best = { d, Lerp(p[i], p[i+1], 0.5) };
+        if (auto here = Approach(p[i], p[i+1], q[j], q[j+1]); here.first < best.first) best = here;
     return best;
   }
 }

@@ -66,6 +66,20 @@ def test_gamma0_and_cone_reach_the_problem(tmp_path):
     assert cli.main(options) == 0
 
 
+def test_study(tmp_path, capsys):
+    """Records, rates and the table of rates; a second call finds all solves done."""
+    options = ["study", "--sizes", "0.2", "0.12", "--realisations", "1", "--cells", "15", "--no-figures", "--output", str(tmp_path)]
+    assert cli.main(options) == 0
+    printed = capsys.readouterr().out
+    assert {"study.jsonl", "study.csv", "rates.json"} <= names(tmp_path)
+    rates = json.loads((tmp_path / "rates.json").read_text(encoding="utf-8"))
+    assert {rate["pair"] for rate in rates} == {"P1/P0", "P1/P1", "P1+/P1", "P2/P0", "P2/P1"}
+    orders = [rate["L2"] for rate in rates if (rate["pair"], rate["stabilisation"], rate["mesh"]) == ("P2/P1", "larger", "unstructured")]
+    assert orders and min(orders) > 2 and all(f"{order:.2f}" in printed for order in orders)
+    kept = (tmp_path / "study.jsonl").read_bytes()
+    assert cli.main(options) == 0 and (tmp_path / "study.jsonl").read_bytes() == kept
+
+
 def test_help(tmp_path):
     run = subprocess.run([sys.executable, "-m", "ngsxfem_contact", "--help"], cwd=tmp_path, capture_output=True, text=True)
     assert run.returncode == 0 and "--pair" in run.stdout and run.stderr == ""

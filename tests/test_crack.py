@@ -66,3 +66,16 @@ def test_segments_on_one_line_do_not_meet():
     for angle in np.linspace(0, 3, 50):
         direction = np.array([np.cos(angle), np.sin(angle)])
         Crack([tuple(0.1 + s * direction) for s in (0, 0.31, 0.47, 0.93)])
+
+
+def test_outline_of_a_curve():
+    """From end to end through points of the curve; a chord is off by an eighth of its length times its turn."""
+    arc = Crack.Arc((0, 0), (0.5, 0.5), (1, 0))
+    for turn in (0.5, 0.05):
+        outline = np.array(arc.Outline(turn))
+        assert tuple(outline[0]) == (0, 0) and tuple(outline[-1]) == (1, 0) and len(outline) >= np.pi / turn
+        assert np.hypot(*(outline - (0.5, 0)).T) == pytest.approx(0.5, abs=1e-14)
+        middles = 0.5 * (outline[1:] + outline[:-1])
+        assert 0.5 - np.hypot(*(middles - (0.5, 0)).T).min() <= 0.5 * turn**2 / 8 * 1.001
+    joined = Crack.Join(Crack([(-1, 0.2), (0, 0)]), arc)
+    assert joined.Outline()[:2] == [(-1, 0.2), (0, 0)] and joined.Outline()[1:] == arc.Outline()

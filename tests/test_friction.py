@@ -42,6 +42,7 @@ from ngsxfem_contact.nodal_newton import (
     violation,
 )  # fmt: skip
 from ngsxfem_contact.paper import BODY_FORCE, FRICTION_REFERENCE, PAIRS, TRACTION, paper_problem, unstructured_mesh
+from ngsxfem_contact.report import contraction
 from ngsxfem_contact.solver import ReducedProblem
 from ngsxfem_contact.spaces import to_scipy
 
@@ -323,7 +324,13 @@ def test_fixed_point_and_full_newton_agree():
     assert np.abs(newton.Multipliers() - fixed.Multipliers()).max() < 1e-9 * np.abs(newton.Multipliers()).max()
     changes = fixed.report.threshold_changes
     assert 1 < len(changes) < 20 and changes[-1] <= 1e-12
+    assert f"last changes {' '.join(f'{c:.1e}' for c in changes[-3:])}, factor {contraction(changes):.2g}" in str(fixed.report)
     assert "fixed point" in fixed.report.method and "full" in newton.report.method and newton.report.uniqueness < 1
+
+
+def test_contraction_is_the_mean_factor_above_round_off():
+    assert contraction([5, 1, 0.1, 0.01, 1e-3, 1e-15]) == pytest.approx(0.1)
+    assert contraction([1, 1e-14]) == 0
 
 
 def test_no_friction_coefficient_is_frictionless():

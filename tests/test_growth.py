@@ -126,13 +126,15 @@ def test_paris_counts_cycles():
 
 
 def test_paris_with_two_cracks():
-    """The slower one waits until its advances add up to half an increment."""
-    cracks = [Crack([(0, -0.15), (0.35, -0.15)]), Crack([(1, 0.25), (0.75, 0.25)])]
-    growth = CrackGrowth(pulled, cracks, Paris(C=1, m=2, da=0.1))
-    fast, slow = growth.Step()
-    assert fast.advance == pytest.approx(0.1) and slow.driving < fast.driving
-    ratio = (slow.driving / fast.driving) ** 2
-    assert (slow.advance == pytest.approx(0.1 * ratio)) if ratio >= 0.5 else (slow.advance == 0 and "waits" in slow.state)
+    """Advances go with K^m; the slower one waits until its own add up to half an increment."""
+    for m, waits in ((2, False), (8, True)):
+        cracks = [Crack([(0, -0.15), (0.35, -0.15)]), Crack([(1, 0.25), (0.75, 0.25)])]
+        growth = CrackGrowth(pulled, cracks, Paris(C=1, m=m, da=0.1))
+        fast, slow = growth.Step()
+        ratio = (slow.driving / fast.driving) ** m
+        assert fast.advance == pytest.approx(0.1) and ("waits" in slow.state) == waits == (ratio < 0.5)
+        assert slow.advance == (0 if waits else pytest.approx(0.1 * ratio))
+        assert growth.cracks[1].length == pytest.approx(0.25 + slow.advance)
 
 
 # What stops a tip
@@ -225,6 +227,20 @@ def test_the_crack_keeps_its_orientation():
     crack = Crack([(0.2, 0), (0.5, 0)])
     assert extended(crack, "start", (0.2, 0), (0.1, 0.1)).points == [(0.1, 0.1), (0.2, 0), (0.5, 0)]
     assert extended(crack, "end", (0.51, 0), (0.6, 0.1)).points == [(0.2, 0), (0.51, 0), (0.6, 0.1)]
+
+
+@pytest.mark.parametrize("end", ["start", "end"])
+def test_a_curve_is_extended_from_its_end(end):
+    """Straight, by way of a kink ahead of the tip where one is asked for."""
+    arc = Crack.Arc((0.2, 0), (0.35, 0.08), (0.5, 0))
+    s = 0 if end == "start" else arc.length
+    tip, ahead = np.array(arc.PointAt(s)), np.array(arc.TangentAt(s)) * (-1 if end == "start" else 1)
+    for shift, kinks in ((0, 1), (0.03, 1)):
+        kink, new = tuple(tip + shift * ahead), tuple(tip + (0.05, -0.2))
+        longer = extended(arc, end, kink, new)
+        assert longer.length == pytest.approx(arc.length + shift + np.hypot(*np.subtract(new, kink)))
+        assert len(longer.kinks) == kinks and longer.points[0 if end == "start" else -1] == pytest.approx(new)
+        assert longer.TangentAt(0.5 * longer.length)[0] > 0  # orientation
 
 
 def test_table_and_animation(tmp_path):

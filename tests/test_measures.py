@@ -215,3 +215,41 @@ def test_names_of_this_package_do_not_hide_those_of_ngsolve():
 
     public = {name for name in vars(ngsxfem_contact) if not name.startswith("_")}
     assert "dx" not in public and ngsolve.dx is dx
+
+
+def voxels():
+    """1 + 2x + 3y from values at points, which NGSolve evaluates at single points only."""
+    ramp = [[1 + 2 * a + 3 * b for a in np.linspace(0, 1, 3)] for b in np.linspace(0, 1, 3)]
+    return ngsolve.VoxelCoefficient((0, 0), (1, 1), np.array(ramp), linear=True)
+
+
+def test_coefficients_without_simd():
+    """In integrals, linear and bilinear forms over every measure, as the same function in closed form."""
+    u, v = V.TnT()
+    p, q = TraceSpace(BODY, order=1).TnT()
+    for measure in (BODY.dx, BODY.ds, BODY.dcrack, BODY.dlarger):
+        found, expected = (Integrate(f * measure, MESH) for f in (voxels(), 1 + 2 * x + 3 * y))
+        assert found == pytest.approx(expected, rel=1e-12)
+    for make in (
+        lambda f: LinearForm(f * v[1] * BODY.dx),
+        lambda f: LinearForm(f * Jump(v)[0] * BODY.dcrack),
+        lambda f: LinearForm(f * q * BODY.dcrack),
+        lambda f: BilinearForm(f * InnerProduct(Grad(u), Grad(v)) * BODY.dx),
+        lambda f: BilinearForm(f * p * q * BODY.dcrack),
+        lambda f: BilinearForm(f * Jump(u)[1] * q * BODY.dcrack),
+    ):
+        found, expected = (make(f).Assemble() for f in (voxels(), 1 + 2 * x + 3 * y))
+        found, expected = (np.array(a.vec if isinstance(a, LinearForm) else a.mat.AsVector()) for a in (found, expected))
+        assert np.abs(expected).max() > 1e-3
+        assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+
+
+def test_frame_at_points():
+    """In an element of a crack that crack's, elsewhere that of the nearest crack."""
+    for crack, d in ((0, 0.05), (1, -0.05)):
+        t = np.subtract(*BODY.cracks[crack].points[::-1]) / LENGTHS[crack]
+        for s in (0.2, 0.5):
+            here = MESH(*(np.array(BODY.cracks[crack].PointAt(s * LENGTHS[crack])) + (0, d)))
+            assert BODY.tangent(here) == pytest.approx(t, abs=1e-12)
+            assert BODY.normal(here) == pytest.approx((-t[1], t[0]), abs=1e-12)
+    assert BODY.normal(MESH(0.1, 0.02))[1] > 0.99 and BODY.normal(MESH(0.9, 0.98))[1] < -0.99

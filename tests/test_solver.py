@@ -228,3 +228,11 @@ def test_a_displacement_that_does_not_solve_raises_when_it_is_used():
     reduced.load.reduced.rhs[:] = 2 * reduced.load.reduced.rhs
     with pytest.raises(NotConverged, match="does not satisfy its own equations"):
         solution.u
+
+
+def test_load_steps_want_a_factor_for_each_case():
+    problem = load(pressed(), 1e-3, 0)
+    with pytest.raises(ValueError, match="no load case"):
+        LoadSteps(problem, [])
+    with pytest.raises(ValueError, match="2 factor.* 1 load case"):
+        LoadSteps(problem).Solve(1, 0.5)
