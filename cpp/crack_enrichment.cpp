@@ -42,6 +42,25 @@ namespace ngsxfem_contact
     for (auto dof : dofs)
       enrichment.push_back({ dof, supports.size() });
     supports.push_back({ crack, plus >= minus ? 1 : -1, std::move(sides) });
+    if (int side = SideOfFixedBoundary(node, supports.back())) supports.back().shift = side;
+  }
+
+  /// The side of all Dirichlet boundary elements at a node; 0 if there are none, or if they see both sides. Shifted to this
+  /// side the function has no trace there: else it would depend on φ_i, and fixing both would fix what lies across the crack.
+  int CrackFESpace :: SideOfFixedBoundary (NodeId node, const Support & support) const
+  {
+    if (!dirichlet_boundaries.Size() || node.GetType() == NT_CELL) return 0;
+    bool is_edge = node.GetType() == NT_EDGE;
+    int common = 0;
+    for (auto element : ma->GetVertexSurfaceElements(is_edge ? ma->GetEdgePNums(node.GetNr())[0] : node.GetNr()))
+      {
+        auto el = ma->GetElement(ElementId(BND, element));
+        if (!dirichlet_boundaries[el.GetIndex()] || (is_edge && size_t(el.Edges()[0]) != node.GetNr())) continue;
+        int side = SideOfBoundaryElement(element, support);
+        if (side == 0 || side == -common) return 0;
+        common = side;
+      }
+    return common;
   }
 
   Array<int> CrackFESpace :: ElementsOf (NodeId node) const
