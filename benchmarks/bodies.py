@@ -96,7 +96,7 @@ def random_crack(rng, mesh):
 
 
 def unit(v):
-    return v / np.hypot(*v)
+    return v / max(np.hypot(*v), 1e-300)
 
 
 def is_inside(point, segments):

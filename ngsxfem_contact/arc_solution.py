@@ -11,6 +11,7 @@ from ngsolve import CF, Conj, sqrt, x, y
 
 from ._ngsxfem_contact import Crack
 from .closed_forms import ClosedForm
+from .elasticity import Elasticity
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class OpenArc:
     and the crack must be open: `exact.gap` > 0.
     """
 
-    material: object
+    material: Elasticity
     alpha: float
     stress: tuple = (1, 1)
     beta: float = 0
