@@ -18,14 +18,12 @@ def mouth_weight(body, power=3):
     points = np.array([vertex.point for vertex in mesh.vertices])
     edges = points[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)]]
     weight = CoefficientFunction(1)
-    for crack in body.cracks:
-        for end in (crack.points[0], crack.points[-1]):
-            for number in cut_edges(edges, np.asarray(end)):
-                a, b = sorted(edges[number], key=lambda corner: np.hypot(*(corner - end)))
-                short, length = np.hypot(*(a - end)), np.hypot(*(b - a))
-                extra = GridFunction(SurfaceL2(mesh, order=0))
-                extra.vec[int(number)] = (0.5 / max(short / length, SHORT if power == 3 else 0)) ** power - 1
-                weight = weight * (1 + IfPos(short**2 - (x - a[0]) ** 2 - (y - a[1]) ** 2, extra, 0))
+    for number, end in mouths(body, edges):
+        a, b = sorted(edges[number], key=lambda corner: np.hypot(*(corner - end)))
+        short, length = np.hypot(*(a - end)), np.hypot(*(b - a))
+        extra = GridFunction(SurfaceL2(mesh, order=0))
+        extra.vec[number] = (0.5 / max(short / length, SHORT if power == 3 else 0)) ** power - 1
+        weight = weight * (1 + IfPos(short**2 - (x - a[0]) ** 2 - (y - a[1]) ** 2, extra, 0))
     return weight
 
 
@@ -44,10 +42,11 @@ def short_traces(V, region):
     return np.flatnonzero((size > 0) & (size < SHORT**2 * size.max()))
 
 
-def cut_edges(edges, point, tolerance=1e-9):
-    """The numbers of the edges (n, 2, 2) that have a point inside."""
-    a, d = edges[:, 0], edges[:, 1] - edges[:, 0]
-    length = np.hypot(*d.T)
-    t = ((point - a) * d).sum(axis=1) / length**2
-    away = np.hypot(*(point - a - t[:, None] * d).T)
-    return np.flatnonzero((away < tolerance * length) & (t > tolerance) & (t < 1 - tolerance))
+def mouths(body, edges):
+    """(number, point) of the boundary edges (n, 2, 2) that a crack cuts at one of its ends: those that the space takes for cut."""
+    for i, crack in enumerate(body.cracks):
+        for number in body.CutBoundaryElements(i):
+            a, b = edges[number]
+            for end in map(np.asarray, (crack.points[0], crack.points[-1])):
+                if np.hypot(*(end - a)) + np.hypot(*(end - b)) < (1 + 1e-12) * np.hypot(*(b - a)):
+                    yield number, end
