@@ -79,21 +79,24 @@ def random_crack(rng, mesh):
     """(crack, shape, ends): straight, kinked or an arc; with two tips, one tip, or none ("through": from mouth to mouth)."""
     segments = boundary_segments(mesh)
     inside = lambda p: abs(p[0]) < 0.6 and abs(p[1]) < 0.6 and is_inside(p, segments) and distance_to_segments(p, segments) > MARGIN
-    shape = str(rng.choice(["straight", "kinked", "arc"] if hasattr(Crack, "Arc") else ["straight", "kinked"]))
+    shape = str(rng.choice(["straight", "kinked", "arc"]))
     ends = str(rng.choice(["two tips", "one tip", "through"]))
-    points = None
-    while points is None:
+    while True:
         points = random_polyline(rng, {"straight": 1, "kinked": int(rng.integers(2, 4)), "arc": 2}[shape], inside)
-    if ends != "two tips":
-        points[0] = ray_to_boundary(points[0], unit(points[0] - points[1]), segments)
-    if ends == "through":
-        points[-1] = ray_to_boundary(points[-1], unit(points[-1] - points[-2]), segments)
-    points = [tuple(map(float, p)) for p in points]
-    return (Crack.Arc(*points) if shape == "arc" else Crack(points)), shape, ends
+        if points is None:
+            continue
+        if ends != "two tips":
+            points[0] = ray_to_boundary(points[0], unit(points[0] - points[1]), segments)
+        if ends == "through":
+            points[-1] = ray_to_boundary(points[-1], unit(points[-1] - points[-2]), segments)
+        points = [tuple(map(float, p)) for p in points]
+        crack = Crack.Arc(*points) if shape == "arc" else Crack(points)
+        if all(is_inside(crack.PointAt(s * crack.length), segments) for s in np.linspace(0.02, 0.98, 49)):
+            return crack, shape, ends
 
 
 def unit(v):
-    return v / np.hypot(*v)
+    return v / max(np.hypot(*v), 1e-300)
 
 
 def is_inside(point, segments):

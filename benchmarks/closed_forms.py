@@ -1,15 +1,17 @@
-"""Errors and rates on the closed forms (a) to (d), means over rotated and shifted bodies.
+"""Errors and rates on the closed forms (a) to (d) and on an open arc, means over rotated and shifted bodies.
 
-python benchmarks/closed_forms.py [a b c d] [--realisations 10]
+python benchmarks/closed_forms.py [a b c d arc] [--realisations 10]
 """
 
 import argparse
 
 import numpy as np
 from ngsolve import TaskManager, ngsglobals
+from scipy.optimize import brentq
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact import closed_forms as cf
+from ngsxfem_contact.arc_solution import OpenArc
 from ngsxfem_contact.paper import MATERIAL, PAIRS
 
 
@@ -37,6 +39,28 @@ def case_tip(exact, K, i, maxh, pair, r1=0.4):
     tip = TipEnrichment(r1=r1, material=MATERIAL)
     solution = solve(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(cf.mouths(angle, offset)[0], 0), exact, pair, tip)
     return cf.energy_error(solution, exact), cf.pressure_error(solution, exact), getattr(solution.StressIntensity(method="modes"), K) - 1
+
+
+ARC = OpenArc(MATERIAL, alpha=0.6, stress=(1, 0.5), beta=0.3)
+
+
+def arc_body(i, maxh):
+    """A body around the last tip of ARC, and the part of the crack in it."""
+    angle, offset = cf.position(i)
+    centre = np.add(offset, (ARC.tips[1].real, ARC.tips[1].imag))
+    c, s = np.cos(angle), np.sin(angle)
+    outside = lambda t: np.abs(np.array([[c, s], [-s, c]]) @ (np.array([np.cos(t), np.sin(t)]) - centre)).max() - 0.5
+    mouth = brentq(outside, np.pi / 2 - ARC.alpha, np.pi / 2 + ARC.alpha, xtol=1e-15)
+    return cf.rotated_square(angle, centre, maxh), ARC.Crack(mouth)
+
+
+def case_arc(i, maxh, pair, r1=0.4):
+    """An open edge crack on an arc: (energy error, λ error, errors of K_I by the modes and by the interaction integral), K relative to K_I."""
+    mesh, crack = arc_body(i, maxh)
+    exact, K = ARC.Solution(), ARC.StressIntensity(1)[0]
+    solution = solve(mesh, crack, exact, pair, TipEnrichment(r1=r1, material=MATERIAL))
+    factors = [solution.StressIntensity(method=method).K_I / K - 1 for method in ("modes", "interaction")]
+    return cf.energy_error(solution, exact), cf.pressure_error(solution, exact), *factors
 
 
 def case_d(i, maxh, pair):
@@ -72,7 +96,7 @@ def report(name, case, maxhs, pairs, realisations):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", default=["a", "b", "c", "d"])
+    parser.add_argument("cases", nargs="*", default=["a", "b", "c", "d", "arc"])
     parser.add_argument("--realisations", type=int, default=10)
     arguments = parser.parse_args()
     ngsglobals.msg_level = 0
@@ -87,6 +111,8 @@ def main():
             report("b", lambda *a: case_tip(cf.open_tip(MATERIAL), "K_I", *a), fine, ["P2/P1", "P1/P1"], n)
         if "c" in arguments.cases:
             report("c", lambda *a: case_tip(cf.slipping_tip(MATERIAL), "K_II", *a), fine, ["P2/P1", "P2/P0", "P1+/P1", "P1/P1", "P1/P0"], n)
+        if "arc" in arguments.cases:
+            report("arc", case_arc, fine, ["P2/P1", "P2/P0", "P1+/P1", "P1/P1", "P1/P0"], n)
         if "d" in arguments.cases:
             report("d", case_d, [0.1, 0.05, 0.025, 0.0125], list(PAIRS), n)
 

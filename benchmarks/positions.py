@@ -1,12 +1,11 @@
 """Random and adversarial positions of cracks: does a solve ever fail, and does its accuracy depend on the position?
 
-    python benchmarks/positions.py [--random 1000] [--closed 200] [--adversarial 40] [--condition 200] [--pairs P2/P1 ...] [--first 0] [--json FILE]
+    python benchmarks/positions.py [--random 1000] [--closed 200] [--adversarial 40] [--pairs P2/P1 ...] [--first 0] [--json FILE]
 
 --random N: N random cracks in random meshes with random loads, each solved with every pair of spaces.
 --closed N: errors on the closed forms (c) and (d) at N random positions of one mesh.
 --adversarial N: cracks through vertices, along edges, with tips and kinks on vertices and edges, each displaced by
     0, 1e-15, 1e-12, 1e-9, 1e-6 of h; N is rounded up to a multiple of the kinds.
---condition N: condition numbers of scaled matrices at N random and at the adversarial positions.
 """
 
 import argparse
@@ -230,7 +229,7 @@ def print_adversarial(pair, records, fine):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name in ("random", "closed", "adversarial", "condition"):
+    for name in ("random", "closed", "adversarial"):
         parser.add_argument(f"--{name}", type=int, default=0)
     parser.add_argument("--first", type=int, default=0, help="the first random number")
     parser.add_argument("--pairs", nargs="+", default=list(PAIRS), choices=list(PAIRS))

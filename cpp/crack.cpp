@@ -27,8 +27,8 @@ namespace ngsxfem_contact
       return *std::min_element(std::begin(ends), std::end(ends), [] (auto & p, auto & q) { return p.first < q.first; });
     }
 
-    /// A smaller turn between two pieces, one of them curved, is no kink.
-    constexpr double smooth_turn = 1e-6;
+    /// A smaller turn between two pieces, one of them curved, is no kink; nor is one between segments on a line.
+    constexpr double smooth_turn = 1e-6, straight_turn = 1e-12;
   }
 
   Crack :: Crack (std::vector<Point> apoints) : points(std::move(apoints))
@@ -59,8 +59,8 @@ namespace ngsxfem_contact
       arclength.push_back(arclength[i] + pieces[i]->Length());
     kink.assign(points.size(), false);
     for (size_t i = 1; i < NumSegments(); i++)
-      kink[i] = (IsStraight(i-1) && IsStraight(i))
-        || Norm(Point(Tangent(i, arclength[i]) - Tangent(i-1, arclength[i]))) > smooth_turn;
+      kink[i] = Norm(Point(Tangent(i, arclength[i]) - Tangent(i-1, arclength[i])))
+        > (IsStraight(i-1) && IsStraight(i) ? straight_turn : smooth_turn);
     for (auto & piece : pieces)
       {
         constexpr double turn = 0.25;

@@ -31,7 +31,7 @@ namespace ngsxfem_contact
     double Length() const { return arclength.back(); }
     /// Arc length at the i-th point.
     double ArcLength (size_t i) const { return arclength[i]; }
-    /// Whether the direction jumps at the i-th point; always between the segments of a polyline.
+    /// Whether the direction jumps at the i-th point.
     bool IsKink (size_t i) const { return kink[i]; }
 
     Point Tangent (size_t segment, double s) const;

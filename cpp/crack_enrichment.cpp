@@ -42,6 +42,28 @@ namespace ngsxfem_contact
     for (auto dof : dofs)
       enrichment.push_back({ dof, supports.size() });
     supports.push_back({ crack, plus >= minus ? 1 : -1, std::move(sides) });
+    if (int side = SideOfFixedBoundary(node, supports.back())) supports.back().shift = side;
+  }
+
+  /// The side of the longer part of the Dirichlet boundary at a node; 0 if there is none. With s_i on this side the function's
+  /// trace is on the other part only: else it would depend on φ_i there, and fixing both would fix what lies across the crack.
+  int CrackFESpace :: SideOfFixedBoundary (NodeId node, const Support & support) const
+  {
+    if (!dirichlet_boundaries.Size() || node.GetType() == NT_CELL) return 0;
+    bool is_edge = node.GetType() == NT_EDGE;
+    double plus = 0, minus = 0;
+    auto add = [&] (Point a, Point b, int side) { (side > 0 ? plus : minus) += Norm(Point(b-a)); };
+    for (auto element : ma->GetVertexSurfaceElements(is_edge ? ma->GetEdgePNums(node.GetNr())[0] : node.GetNr()))
+      {
+        auto el = ma->GetElement(ElementId(BND, element));
+        if (!dirichlet_boundaries[el.GetIndex()] || (is_edge && size_t(el.Edges()[0]) != node.GetNr())) continue;
+        if (auto cut = body->Location(support.crack).FindBoundaryEdge(element))
+          for (Point end : { cut->a, cut->b })
+            add(end, cut->crossing, int(body->GetCrack(support.crack).SideOf(Lerp(end, cut->crossing, 0.5))));
+        else
+          add(ma->GetPoint<2>(el.Vertices()[0]), ma->GetPoint<2>(el.Vertices()[1]), SideOfBoundaryElement(element, support));
+      }
+    return plus+minus == 0 ? 0 : plus >= minus ? 1 : -1;
   }
 
   Array<int> CrackFESpace :: ElementsOf (NodeId node) const

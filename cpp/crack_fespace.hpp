@@ -96,5 +96,6 @@ namespace ngsxfem_contact
     const TipSet & TipsOf (ElementId ei) const
     { return tip_sets[ei.VB() == VOL ? tips_of[ei.Nr()] : 0]; }
     int SideOfBoundaryElement (size_t element, const Support & support) const;
+    int SideOfFixedBoundary (ngcomp::NodeId node, const Support & support) const;
   };
 }

@@ -146,8 +146,9 @@ namespace ngsxfem_contact
         }
     }
 
-    /// Closer than this to a triangle, relative to its size, a tip is taken to lie in it.
-    constexpr double snap = 1e-9;
+    /// Closer than this to a triangle, relative to its size, a tip is taken to lie in it: ∫|∇F|² over what is then missed
+    /// is as small as that, where a rule around the tip itself would need points at all scales down to that distance.
+    double SnapDistance (const Triangle & t, const TipQuadrature & tip) { return std::max(1e-9, 0.1*tip.tolerance)*LongestEdge(t); }
 
     /// The corner, the point on an edge, or the point itself: a corner of every part that t is divided into.
     Point Snapped (Point p, const Triangle & t, double distance)
@@ -237,14 +238,14 @@ namespace ngsxfem_contact
         AppendTriangle(t, *gauss, rule);
         return;
       }
-    double h = LongestEdge(t);
-    if (DistanceToTriangle(tip.tip, t) > snap*h)
+    double h = LongestEdge(t), snap = SnapDistance(t, tip);
+    if (DistanceToTriangle(tip.tip, t) > snap)
       {
         AppendPolar(t, order, tip, rule);
         return;
       }
     TipQuadrature centre = tip;
-    centre.tip = Snapped(tip.tip, t, snap*h);
+    centre.tip = Snapped(tip.tip, t, snap);
     for (int i = 0; i < 3; i++)
       {
         Triangle part { centre.tip, t[i], t[(i+1)%3] };

@@ -14,18 +14,31 @@ namespace ngsxfem_contact
     double k = piece.Curvature(s-curve.ArcLength(last));
     curvature = piece.IsStraight() ? 0 : at_end ? -k : k;
     bool alone = curve.NumSegments() == 1 || curve.IsKink(at_end ? last : 1);
-    auto kind = piece.Description().first;
-    if (!alone || kind == "cubic") crack = std::make_shared<Crack>(curve);
+    if (!(alone ? piece.Description().first != "cubic" : SmoothPartIsStraight(curve))) crack = std::make_shared<Crack>(curve);
     FindReach(curve);
+  }
+
+  size_t TipCurve :: EndOfSmoothPart (const Crack & curve) const
+  {
+    size_t i = at_end ? curve.NumSegments()-1 : 0;
+    while (at_end ? i > 0 && !curve.IsKink(i) : i+1 < curve.NumSegments() && !curve.IsKink(i+1))
+      at_end ? i-- : i++;
+    return i;
+  }
+
+  bool TipCurve :: SmoothPartIsStraight (const Crack & curve) const
+  {
+    auto [first, last] = std::minmax({ EndOfSmoothPart(curve), at_end ? curve.NumSegments()-1 : 0 });
+    for (size_t i = first; i <= last; i++)
+      if (!curve.IsStraight(i)) return false;
+    return true;
   }
 
   void TipCurve :: FindReach (const Crack & curve)
   {
-    size_t first = at_end ? curve.NumSegments()-1 : 0, last = first;
-    while (at_end ? last > 0 && !curve.IsKink(last) : last+1 < curve.NumSegments() && !curve.IsKink(last+1))
-      at_end ? last-- : last++;
+    size_t last = EndOfSmoothPart(curve);
     reach = s_reach = 0;
-    for (size_t i = first; ; at_end ? i-- : i++)
+    for (size_t i = at_end ? curve.NumSegments()-1 : 0; ; at_end ? i-- : i++)
       {
         auto & piece = curve.Piece(i);
         auto samples = piece.IsStraight() ? std::vector<double> { 0, 0.5*piece.Length(), piece.Length() } : piece.Samples(0.02);

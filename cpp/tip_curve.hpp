@@ -73,6 +73,9 @@ namespace ngsxfem_contact
   private:
     Turns<double> General (double r) const;
     double FromEnd (double distance) const { return at_end ? crack->Length()-distance : distance; }
+    /// The last piece before a kink, or before the other end.
+    size_t EndOfSmoothPart (const Crack & curve) const;
+    bool SmoothPartIsStraight (const Crack & curve) const;
     void FindReach (const Crack & curve);
   };
 }

@@ -19,7 +19,8 @@ namespace ngsxfem_contact
             if (!inner || !is_joint(chord.segment, s) || (kinks && is_kink(chord.segment, s))) all.push_back(s);
           }
     std::sort(all.begin(), all.end());
-    double tolerance = 4*body.Location(c).Tolerance();
+    // two nodes that are nearly one would take signs apart which no displacement tells apart
+    double tolerance = 1e-6/geometric_tolerance*body.Location(c).Tolerance();
     for (double s : all)
       if (nodes.empty() || s-nodes.back() > tolerance) nodes.push_back(s);
     nodes.back() = crack.Length();

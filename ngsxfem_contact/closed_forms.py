@@ -102,7 +102,7 @@ def _tip_coordinates(tip):
 
 
 def _matrix(xx, xy, yy):
-    return CF((xx, xy, xy, yy), dims=(2, 2))
+    return CF((xx, xy, xy, yy), dims=(2, 2)).Compile()
 
 
 def rotated_square(angle, offset, maxh, size=1):

@@ -13,7 +13,7 @@ from .cones import CONES
 from .elasticity import Isotropic
 from .friction import Friction, Frictionless
 from .load import LoadForm
-from .mouths import mouth_weight
+from .mouths import boundary_mass, mouth_weight, short_traces
 from .operators import Strain
 from .solver import solve
 from .spaces import check_regions, to_scipy
@@ -127,23 +127,25 @@ class ContactProblem:
     def SetDirichlet(self, value, region):
         """Sets u on a boundary region of V's dirichlet parts: the weighted L² projection of value's trace, both sides at a mouth.
 
+        Beside a vertex that a mouth nearly meets, functions that hardly reach the boundary become free (`mouths.short_traces`).
         value: CoefficientFunction with two components or tuple.    Raises ValueError for a region that is not fixed.
         """
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
         value = check_function(value, "SetDirichlet: value", 2)
-        V, body = self.V, self.body
-        u, v = V.TnT()
-        weight = mouth_weight(body)
-        mass = to_scipy(BilinearForm(weight * u * v * body.ds(region)).Assemble().mat)
+        weight, short = mouth_weight(self.body), short_traces(self.V, region)
+        mass = boundary_mass(self.V, region, weight)
         zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
-        load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
+        v = self.V.TestFunction()
+        load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * self.body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
         if not np.isfinite(load).all():
             raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
         diagonal = mass.diagonal()
-        dofs = np.flatnonzero(diagonal > 1e-14 * diagonal.max())
+        dofs = np.setdiff1d(np.flatnonzero(diagonal), short)
         if np.array([self.free[int(dof)] for dof in dofs]).any():
             raise ValueError(f"SetDirichlet: {region!r} is not part of CrackFESpace(..., dirichlet=...); declare it there")
+        for dof in short:
+            self.free.Set(int(dof))
         scale = 1 / np.sqrt(diagonal[dofs])
         scaled = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc()
         values = scale * splu(scaled).solve(scale * load[dofs])

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ngsolve import SetNumThreads
+from ngsolve.meshes import MakeStructured2DMesh
 
-from ngsxfem_contact import ConditionNumber, CrackedMesh, CrackFESpace
+from ngsxfem_contact import ConditionNumber, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.active_set import descend, solve_active_set
 from ngsxfem_contact.negligible import negligible_functions
-from ngsxfem_contact.paper import PAIRS
+from ngsxfem_contact.paper import MATERIAL, PAIRS
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 import adversarial  # noqa: E402
@@ -47,6 +48,45 @@ def test_a_mouth_close_to_a_vertex_of_a_fixed_boundary():
     """At 0.006 and 0.007 of an edge: the projection of the given displacement must not spoil the nodes beside it; 1.55 times with equal weights."""
     errors = [solve_closed("d", seed, "P1/P0")["energy"] for seed in (0, 9, 1)]
     assert max(errors[:2]) < 1.05 * errors[2]
+
+
+@pytest.mark.parametrize("pair", ["P2/P1", "P1/P0"])
+@pytest.mark.parametrize("kind, sample", [("along edges", 4), ("from mouth to mouth", 2)])
+def test_a_mouth_next_to_a_vertex_keeps_the_given_displacement(kind, sample, pair):
+    """1e-9 and 1e-6 of an edge beside the vertex; what lives on the short part of the edge alone cannot be read off there."""
+    energies = [adversarial_position(kind, sample, d).Problem(pair).Solve().Energy() for d in (0, 1e-9, 1e-6, 1e-3)]
+    assert energies[1:] == pytest.approx([energies[0]] * 3, rel=2e-3)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("height", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("given", [False, True])
+def test_what_lies_across_the_crack_is_not_held(order, height, given):
+    """A crack in the elements beside a held side: the two parts of the body move apart without stress, whichever part is larger."""
+    mesh = MakeStructured2DMesh(quads=False, nx=5, ny=5)
+    body = CrackedMesh(mesh, Crack([(0, height / 5), (1, height / 5)]))
+    problem = ContactProblem(CrackFESpace(body, order=order, dirichlet="bottom|top"), TraceSpace(body, order=order - 1), MATERIAL)
+    problem.SetDirichlet((0.002, 0.01), "top")
+    if given:
+        problem.SetDirichlet((0, 0), "bottom")
+    solution = problem.Solve()
+    assert solution.Energy() < 1e-25
+    assert solution.Profile(n=9).gap == pytest.approx(np.full(9, 0.01), rel=1e-9)
+
+
+def test_a_point_on_the_line_of_a_crack_changes_nothing():
+    mesh = MakeStructured2DMesh(quads=False, nx=5, ny=5)
+    ends = (0.0, 0.42), (0.55, 0.53)
+    between = tuple(0.1 * np.array(ends[0]) + 0.9 * np.array(ends[1]))
+    energies, clearances = [], []
+    for points in (ends, (ends[0], between, ends[1])):
+        body = CrackedMesh(mesh, Crack(points))
+        problem = ContactProblem(CrackFESpace(body, tip=TipEnrichment(material=MATERIAL), dirichlet="bottom|top"), TraceSpace(body), MATERIAL)
+        problem.SetDirichlet((0, 0.01), "top")
+        energies.append(problem.Solve().Energy())
+        clearances.append(body.tips[0].clearance)
+        assert body.cracks[0].kinks == []
+    assert clearances[1] == pytest.approx(clearances[0]) and energies[1] == pytest.approx(energies[0], rel=1e-6)
 
 
 def test_positions_of_one_mesh_are_of_one_mesh():
