@@ -42,7 +42,7 @@ namespace ngsxfem_contact
 
   Crack :: Crack (std::vector<PiecePtr> apieces) : pieces(std::move(apieces))
   {
-    if (pieces.empty()) throw Exception("Crack: needs at least one piece");
+    if (pieces.empty()) throw Exception("Crack: needs at least one piece; give pieces to Crack.OfPieces, or cracks to Crack.Join");
     points.push_back(pieces[0]->Value(0));
     for (auto & piece : pieces)
       points.push_back(piece->Value(piece->End()));

@@ -159,7 +159,7 @@ namespace ngsxfem_contact
     size_t k = column[dof];
     if (k < columns.Size() && columns[k] == dof) return k;
     k = std::lower_bound(columns.begin(), columns.end(), dof) - columns.begin();
-    if (k == columns.Size() || columns[k] != dof) throw Exception("CrackBilinearForm: the matrix has no such entry");
+    if (k == columns.Size() || columns[k] != dof) throw Exception("CrackBilinearForm: the matrix has no such entry; the mesh or the space has changed: build the form anew");
     return k;
   }
 

@@ -234,8 +234,10 @@ namespace ngsxfem_contact
 
   std::vector<DofId> CrackFESpace :: TipDofs (size_t tip) const
   {
+    if (tip >= tips.size())
+      throw Exception("CrackFESpace: there is no tip " + ngcore::ToString(tip) + "; the body has " + ngcore::ToString(tips.size()));
     std::vector<DofId> dofs;
-    for (int m = 0; tips.at(tip) && m < tips[tip]->Size(); m++) dofs.push_back(first_tip_dof[tip]+m);
+    for (int m = 0; tips[tip] && m < tips[tip]->Size(); m++) dofs.push_back(first_tip_dof[tip]+m);
     return dofs;
   }
 

@@ -19,7 +19,7 @@ namespace ngsxfem_contact
   }
 
   double CrackFrame :: Evaluate (const BaseMappedIntegrationPoint &) const
-  { throw ngcore::Exception("the crack's frame is a vector; take a component"); }
+  { throw ngcore::Exception("CrackedMesh: normal and tangent are vectors; take a component such as body.normal[0]"); }
 
   void CrackFrame :: Evaluate (const BaseMappedIntegrationPoint & ip, FlatVector<> result) const
   {

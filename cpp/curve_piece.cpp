@@ -79,6 +79,9 @@ namespace ngsxfem_contact
     public:
       Arc (Point start, Point through, Point end) : given { start, through, end }
       {
+        for (Point p : given)
+          if (!std::isfinite(p(0)) || !std::isfinite(p(1)))
+            throw Exception("Crack.Arc: the point " + ToString(p) + " is not finite");
         Point b = through-start, c = end-start;
         double det = 2*Cross(b, c), size = std::max({ Norm(b), Norm(c), Norm(Point(end-through)) });
         if (!(std::abs(det) > 1e-8*size*size))

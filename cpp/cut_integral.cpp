@@ -367,5 +367,5 @@ namespace ngsxfem_contact
   }
 
   ngcore::Complex CutIntegral :: Integrate (const ngcomp::MeshAccess &, FlatVector<ngcore::Complex>)
-  { throw ngcore::Exception("Integrate: a measure of a CrackedMesh integrates real functions only"); }
+  { throw ngcore::Exception("Integrate: a measure of a CrackedMesh integrates real functions only; integrate real and imaginary part apart"); }
 }

@@ -209,7 +209,7 @@ namespace ngsxfem_contact
             std::abs(crack.LineDistance(chord.segment, mesh.GetPoint<2>(v1))) <= tolerance)
           return edge;
       }
-    throw Exception("CrackedMesh: the element " + Place(t) + " is degenerate");
+    throw Exception("CrackedMesh: the element " + Place(t) + " is degenerate, its corners lie on a line; mesh the body anew");
   }
 
   /// Both neighbours of an aligned edge see the same part of Γ_C; the larger one carries it (the first of equals).

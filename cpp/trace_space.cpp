@@ -188,6 +188,7 @@ namespace ngsxfem_contact
   NodalTraceBasis :: NodalTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, CrackNodes anodes)
     : body(abody), order(aorder), nodes(std::move(anodes)), lobatto(order ? LobattoPoints(order) : std::vector<double>())
   {
+    if (order < 0) throw Exception("TraceSpace: order=" + ngcore::ToString(order) + " must be 0 or more");
     if (nodes.size() != body->NumCracks())
       throw Exception("TraceSpace: nodes for " + ngcore::ToString(nodes.size()) + " cracks, but the body has " + ngcore::ToString(body->NumCracks()));
     first.push_back(0);
@@ -205,6 +206,7 @@ namespace ngsxfem_contact
 
   std::vector<double> NodalTraceBasis :: DofPositions (size_t c) const
   {
+    body->GetCrack(c);                    // throws if there is none
     std::vector<double> positions;
     for (size_t i = 0; i+1 < nodes[c].size(); i++)
       if (order == 0)

@@ -1,13 +1,36 @@
 #include "convert.hpp"
+#include <algorithm>
 
 using namespace ngsxfem_contact;
 using ngcomp::MeshAccess;
+
+/// An item of *args as a Crack.
+static const Crack & AsCrack (py::handle item, const char * who)
+{
+  if (!py::isinstance<Crack>(item))
+    throw py::type_error(string(who) + ": " + string(py::repr(item)) + " is not a Crack; give cracks one by one, a list as " + who + "(..., *cracks)");
+  return item.cast<const Crack &>();
+}
+
+/// Within the crack but for round-off.
+static double ArcLengthOn (const Crack & crack, double s)
+{
+  if (!(s >= -1e-10*crack.Length() && s <= (1+1e-10)*crack.Length()))
+    throw ngcore::Exception("Crack: arc length " + std::to_string(s) + " is outside of 0 to " + std::to_string(crack.Length()));
+  return std::clamp(s, 0.0, crack.Length());
+}
+
+static Point FinitePoint (Pair p)
+{
+  if (!std::isfinite(p.first) || !std::isfinite(p.second)) throw ngcore::Exception("Crack: the point " + ToString(ToPoint(p)) + " is not finite");
+  return ToPoint(p);
+}
 
 static Crack JoinCracks (py::args parts)
 {
   std::vector<PiecePtr> pieces;
   for (auto part : parts)
-    for (auto & piece : part.cast<const Crack &>().Pieces()) pieces.push_back(piece);
+    for (auto & piece : AsCrack(part, "Crack.Join").Pieces()) pieces.push_back(piece);
   return Crack(pieces);
 }
 
@@ -38,15 +61,15 @@ static void ExportCrack (py::module & m)
            return kinks;
          }, "Arc lengths at which the direction jumps; of a polyline all inner points.")
     .def_property_readonly("length", &Crack::Length, "The arc length from end to end, in the user's unit of length.")
-    .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(s)); }, py::arg("s"), "The point (x, y) at arc length s, 0 ≤ s ≤ length.")
-    .def("TangentAt", [] (const Crack & c, double s) { return ToPair(c.Tangent(c.SegmentAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
-    .def("CurvatureAt", [] (const Crack & c, double s) { size_t i = c.SegmentAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
+    .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(ArcLengthOn(c, s))); }, py::arg("s"), "The point (x, y) at arc length s, 0 ≤ s ≤ length.")
+    .def("TangentAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); return ToPair(c.Tangent(c.SegmentAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
+    .def("CurvatureAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); size_t i = c.SegmentAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
          py::arg("s"), "The curvature at arc length s, > 0 where the crack turns left.")
     .def("Outline", [] (const Crack & c, double turn) { return ToPairs(c.Outline(turn)); }, py::arg("turn") = 0.05,
          "Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.")
-    .def("ArcLength", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).s; }, py::arg("point"), "Arc length of the nearest point of the crack.")
-    .def("Distance", [] (const Crack & c, Pair p) { return c.Nearest(ToPoint(p)).distance; }, py::arg("point"), "Distance to the nearest point of the crack.")
-    .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(ToPoint(p)); }, py::arg("point"),
+    .def("ArcLength", [] (const Crack & c, Pair p) { return c.Nearest(FinitePoint(p)).s; }, py::arg("point"), "Arc length of the nearest point of the crack.")
+    .def("Distance", [] (const Crack & c, Pair p) { return c.Nearest(FinitePoint(p)).distance; }, py::arg("point"), "Distance to the nearest point of the crack.")
+    .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(FinitePoint(p)); }, py::arg("point"),
          "The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself.")
     .def_property_readonly("side", [] (const Crack & c) -> shared_ptr<CoefficientFunction> { return make_shared<CrackSide>(c); },
                            "H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.")
@@ -117,8 +140,7 @@ static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<
   std::vector<double> xi, eta;
   for (double s : arclengths)
     {
-      if (!(s >= -1e-10*crack.Length() && s <= (1+1e-10)*crack.Length()))
-        throw ngcore::Exception("OnCrack: arc length " + std::to_string(s) + " is outside of 0 to " + std::to_string(crack.Length()));
+      ArcLengthOn(crack, s);
       const ElementLocation * best = nullptr;
       double off = std::numeric_limits<double>::infinity();
       for (auto & location : body.Location(c).Elements())
@@ -168,7 +190,7 @@ static void ExportCrackedMesh (py::module & m)
     .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
                   {
                     std::vector<Crack> all;
-                    for (auto crack : cracks) all.push_back(crack.cast<Crack>());
+                    for (auto crack : cracks) all.push_back(AsCrack(crack, "CrackedMesh"));
                     return MakeCrackedMesh(mesh, all);
                   }), py::arg("mesh"))
     .def_property_readonly("mesh", &CrackedMesh::GetMesh, "The mesh of NGSolve.")

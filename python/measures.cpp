@@ -11,7 +11,7 @@ static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::
 {
   CutDifferentialSymbol dx(self);
   dx.bonus_intorder = bonus_intorder;
-  for (auto elements : { definedonelements, crack ? self.measure.body->CrackElements(crack) : nullptr })
+  for (const auto & elements : { definedonelements, crack ? self.measure.body->CrackElements(crack) : nullptr })
     if (elements)
       {
         auto both = make_shared<ngcore::BitArray>(*elements);
@@ -19,15 +19,15 @@ static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::
         dx.definedonelements = both;
       }
   if (nodes) dx.measure.kind.nodes = *nodes;
-  if (crack) dx.measure.kind.crack = crack;
+  if (crack && dx.measure.kind.domain != Domain::Bulk) dx.measure.kind.crack = crack;
   if (definedon)
     {
       auto region = get_if<Region>(&*definedon);
       Region on = region ? *region : Region(self.measure.body->GetMesh(), self.vb, get<string>(*definedon));
       if (on.Mask().NumSet() == 0)
-        throw ngcore::Exception("this measure is restricted to '" + (region ? string("an empty region") : get<string>(*definedon))
-                                + "', which matches no " + (self.vb == VOL ? "material" : "boundary") + " of the mesh; mesh.GetMaterials() and mesh.GetBoundaries() list the names");
-      if (on.VB() != self.vb) throw ngcore::Exception("this measure cannot be restricted to a region of another dimension");
+        throw ngcore::Exception("this measure is restricted to " + (region ? string("an empty region") : "'" + get<string>(*definedon) + "'")
+                                + ", which matches no " + (self.vb == VOL ? "material" : "boundary") + " of the mesh; mesh.GetMaterials() and mesh.GetBoundaries() list the names");
+      if (on.VB() != self.vb) throw ngcore::Exception("this measure cannot be restricted to a region of another dimension; body.dx takes materials, body.ds boundaries");
       dx.definedon = on.Mask();
     }
   return dx;

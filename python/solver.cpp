@@ -20,7 +20,7 @@ static const SparseCholeskyTM<double> & ToFactors (const BaseMatrix & matrix)
 
 static SparseColumns ToColumns (size_t width, size_t height, Input<int> & first, Input<int> & row, Input<double> & value)
 {
-  if (size_t(first.size()) != width + 1 || row.size() != value.size()) throw Exception("the columns of K do not fit the matrix");
+  if (size_t(first.size()) != width + 1 || row.size() != value.size()) throw Exception("SchurComplement: K does not fit the matrix; give it in CSC format, one column for each unknown");
   return { height, ToArray(first), ToArray(row), ToArray(value) };
 }
 

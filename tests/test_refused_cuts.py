@@ -19,6 +19,8 @@ BODY = CrackedMesh(MESH, CRACK)
     (lambda: Crack.OfPieces([("segment", [(0, 0), (1, 0)]), ("segment", [(1, 0.5), (2, 0)])]), r"piece 0 ends at \(1, 0\)"),
     (lambda: Crack.OfPieces([("cubic", [(0, 0), (3, 3), (1, 0), (3, -3)])]), "cusp"),
     (lambda: Crack([(0, 0), (0.5, 0.5), (0.5, 0.5), (1, 1)]), "points 1 and 2 coincide"),
+    (lambda: Crack.Arc((0, 0), (float("nan"), 1), (1, 0)), r"point \(nan, 1\) is not finite"),
+    (lambda: Crack.Join(CRACK, [(0.6, 0.5), (1, 1)]), "Crack.Join: .* is not a Crack"),
     (lambda: Crack([(0, 0), (1, 0), (1, 1), (0.5, -0.5)]), r"segments 0 and 2 meet near \(0.6"),
 ])  # fmt: skip
 def test_curves_that_are_no_crack(make, reason):
@@ -35,7 +37,7 @@ def test_a_body_of_three_dimensions():
     ([[(0, 0.3), (1, 0.7)], [(0.2, 0.6), (0.3, 0.2)]], r"cracks 0 and 1 meet near \(0.25, 0.4\)"),
     ([[(0.2, 0), (0.7, 0)]], "along the boundary"),
     ([[(0, 0.5), (1.2, 0.5)]], "outside the body"),
-    ([[(0, 0.4), (0.31, 0.45)], [(0.2, 0.47), (0.25, 0.48)]], "cracks 0 and 1 meet the same element"),
+    ([[(0, 0.4), (0.31, 0.45)], [(0.2, 0.44), (0.25, 0.448)]], "cracks 0 and 1 meet the same element"),
 ])  # fmt: skip
 def test_cracks_that_a_mesh_cannot_carry(cracks, reason):
     with pytest.raises(Exception, match=reason):
@@ -64,6 +66,9 @@ def test_numbers_that_do_not_exist():
         (lambda: BODY.Elements(1), "no crack 1"), (lambda: V.Heaviside(V.num_heaviside), f"no Heaviside function {V.num_heaviside}"),
         (lambda: V.HeavisideDof(0, 2), "component 2"), (lambda: V.HeavisideSide(0, far), f"element {far}"),
         (lambda: TraceSpace(BODY, nodes=[[0, CRACK.length], [0, 1]]), "2 cracks"),
+        (lambda: TraceSpace(BODY).basis.DofPositions(7), "no crack 7"), (lambda: V.TipDofs(9), "no tip 9"),
+        (lambda: CRACK.PointAt(float("nan")), "arc length nan is outside"), (lambda: CRACK.TangentAt(99), "arc length 99.* is outside"),
+        (lambda: CRACK.SideOf((float("inf"), 0)), "not finite"), (lambda: CrackedMesh(MESH, [CRACK]), "is not a Crack; give cracks one by one"),
     ]:  # fmt: skip
         with pytest.raises(Exception, match=reason):
             call()

@@ -13,16 +13,16 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 GROUPS = {
-    "geometry": "curve_piece crack tip_curve element_division element_location cut_rule curved_rule cracked_mesh crack_normal geometry",
+    "geometry": "curve_piece crack tip_curve element_division element_location cut_rule curved_rule cut_element cracked_mesh crack_normal geometry",
     "spaces": "tip_functions crack_element diffops crack_fespace crack_enrichment crack_bilinearform trace_space spaces tip_disk interpolation",
     "forms": "cut_integral operators elasticity mouths load",
     "methods": "bordered_matrix schur_complement elimination pardiso active_set nodal_newton cones friction stabilisation nitsche checks conditioning connectivity negligible",
     "problem and solver": "problem solver load_steps solution report errors",
-    "reading solutions": "fracture fracture_solutions tip_fields growth split_mesh plotting closed_forms",
+    "reading solutions": "fracture fracture_solutions tip_fields growth split_mesh plotting closed_forms arc_solution",
     "the paper and its study": "paper shapes study analysis figures __main__",
 }
 COLOURS = ("#cfe2f3", "#d9ead3", "#fff2cc", "#f9d5c5", "#ead1dc", "#d9d2e9", "#eeeeee")
-LEFT_OUT = {"__init__", "_build_info", "_version_check", "files"}  # of no interest, or used by all
+LEFT_OUT = {"__init__", "_build_info", "_version_check", "files", "arguments", "progress"}  # of no interest, or used by all
 
 
 def cpp_graph(folder):
