@@ -11,4 +11,4 @@ dir() { "$python" -m "$1.config" get_cmake_dir; }
 cmake -S "$root" -B "$out/build" -G Ninja -DPython3_EXECUTABLE="$python" -DNGSolve_DIR="$(dir ngsolve)" -DNetgen_DIR="$(dir netgen)" \
   -DNGSOLVE_VERSION="$("$python" -c 'import ngsolve.config as c; print(c.NGSOLVE_VERSION_PYTHON)')" "$@" > "$out/cmake.log"
 ninja -C "$out/build"
-cp "$out"/build/*.so "$out"/build/_build_info.py "$package"
+cp --remove-destination "$out"/build/*.so "$out"/build/_build_info.py "$package"
