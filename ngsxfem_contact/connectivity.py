@@ -7,6 +7,19 @@ from scipy.sparse.csgraph import connected_components
 from .spaces import mask
 
 
+SLIVER = 1e-12  # of the largest part of an element: a smaller one holds nothing together
+
+
+def sides_of_parts(parts):
+    """The signs with respect to its cracks of the parts of an element, each once: {()} for an element that no crack meets."""
+    if not parts:
+        return {()}
+    corners = np.array([part.piece.triangle for part in parts])
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    return {tuple(map(int, part.sides)) for part, area in zip(parts, areas) if area > SLIVER * areas.max()}
+
+
 class VertexCopies:
     """A vertex whose function is enriched has a copy on each side of the crack; the others have one.
 
@@ -57,7 +70,7 @@ class VertexCopies:
         body = self.V.body
         for element, vertices in self.beside:
             cracks = body.CracksOf(element)
-            for sides in {tuple(map(int, part.sides)) for part in body.Parts(element)} or {()}:
+            for sides in sides_of_parts(body.Parts(element)):
                 first, *others = [self._copy(v, element, dict(zip(cracks, sides))) for v in vertices]
                 edges += [(first, other) for other in others]
         return edges
