@@ -6,7 +6,6 @@ from scipy.sparse.csgraph import connected_components
 
 from .spaces import mask
 
-
 SLIVER = 1e-12  # of the largest part of an element: a smaller one holds nothing together
 
 
