@@ -6,7 +6,7 @@ namespace ngsxfem_contact
   using ngcore::Exception;
 
   /// Relative to h_T: what cracks in one element must keep between them. The functions of thinner ligaments are combinations
-  /// of others but for round-off (P2, P3: errors of 1e-6 at 0.03, of 1e-3 at 0.02; docs/measured.md).
+  /// of others but for round-off (P3: errors of λ of 5e-6 above, of 1e-3 at 0.02; docs/measured.md).
   constexpr double least_ligament = 0.03;
 
   namespace

@@ -1,5 +1,8 @@
 """Elements that several cracks meet: their parts and rules, exact solutions, what is refused."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from helpers import on_crack, random_function, rectangle, structured
@@ -21,7 +24,11 @@ from ngsxfem_contact import (  # fmt: skip
     TipEnrichment,
     TraceSpace,
 )
+from ngsxfem_contact.paper import PAIRS
 from ngsxfem_contact.split_mesh import SplitMesh
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
+import several  # noqa: E402
 
 MATERIAL = Elasticity(lam=1, mu=1)
 MESH = rectangle(0.25)
@@ -155,6 +162,14 @@ def test_the_answer_is_that_of_a_mesh_that_keeps_the_cracks_apart(options):
     assert coarse.Energy() == pytest.approx(fine.Energy(), rel=2e-3)
     for c in range(2):
         assert coarse.ContactForce(c) == pytest.approx(fine.ContactForce(c), rel=0.03)
+
+
+@pytest.mark.parametrize("seed", [6, 18, 22, 28, 38, 51])
+def test_random_cracks_in_shared_elements(seed):
+    body = several.random_body(seed)
+    assert several.num_shared(body)
+    contact = several.problem(body, list(PAIRS)[seed % len(PAIRS)], seed)
+    assert contact.Solve().report.converged and Coercivity(contact) >= 0.5
 
 
 def test_both_bases_of_traces_give_the_same_answer():
