@@ -6,7 +6,7 @@ python benchmarks/friction.py [e stick reference] [--realisations 10]
 import argparse
 
 import numpy as np
-from closed_forms import means, rates
+from closed_forms import report
 from ngsolve import TaskManager, ngsglobals
 
 from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, FixedPoint, Nitsche, TipEnrichment, TraceSpace, Tresca
@@ -59,26 +59,14 @@ def reference_case(name, maxh=0.03, pair="P2/P1", **options):
 
 def print_reference(name, **options):
     solution, exact = reference_case(name, **options)
-    report = solution.report
+    counts = solution.report
     work = (solution.FrictionWork() - exact["friction_work"]) / exact["energy"]
     print(
         f"{name:17} energy {solution.Energy() / exact['energy'] - 1:+.1e}  work {work:+.1e}  "
         f"contact from {solution.Transitions()} ({exact['transition']:.4f})  slip to {solution.SlipTransitions()} ({exact['slip_transition']})  "
-        f"K_II {solution.StressIntensity().K_II:+.5f} ({exact['K_II']:+.5f})  {report.iterations} iterations, {report.method}, uniqueness {report.uniqueness:.2g}",
+        f"K_II {solution.StressIntensity().K_II:+.5f} ({exact['K_II']:+.5f})  {counts.iterations} iterations, {counts.method}, uniqueness {counts.uniqueness:.2g}",
         flush=True,
     )
-
-
-def print_rates(name, case, maxhs, pairs, realisations):
-    for pair in pairs:
-        errors = means(case, maxhs, pair, realisations)
-        print(
-            f"({name}) {pair:7} rates "
-            + " ".join(f"{r:5.2f}" for r in rates(maxhs, errors))
-            + "   errors "
-            + "  ".join("/".join(f"{e:.1e}" for e in row) for row in errors),
-            flush=True,
-        )
 
 
 def main():
@@ -102,9 +90,9 @@ def main():
                 for tip, name in ((None, "no tip functions"), (TipEnrichment(r1=0.3, material=MATERIAL), "modes")):
                     worst = np.max([case_uniform_stick(i, 0.1, pair, tip) for i in range(n)], axis=0)
                     print(f"(stick, uniform) {pair:7} {name:16} worst of {n}: u {worst[0]:.1e}  λ_n {worst[1]:.1e}  λ_t {worst[2]:.1e}", flush=True)
-            print_rates("stick, smooth", case_smooth_stick, [0.1, 0.05, 0.025, 0.0125], PAIRS, n)
+            report("stick, smooth", case_smooth_stick, [0.1, 0.05, 0.025, 0.0125], PAIRS, n)
         if "e" in arguments.cases:
-            print_rates("e", case_e, FINE, PAIRS, n)
+            report("e", case_e, FINE, PAIRS, n)
 
 
 if __name__ == "__main__":
