@@ -43,6 +43,8 @@ namespace ngsxfem_contact
         auto & piece = curve.Piece(i);
         auto samples = piece.IsStraight() ? std::vector<double> { 0, 0.5*piece.Length(), piece.Length() } : piece.Samples(0.02);
         if (at_end) std::reverse(samples.begin(), samples.end());
+        double t_near = at_end ? piece.End() : 0;
+        arms.push_back({ i, reach, reach, t_near, t_near });
         for (double s : samples)
           {
             Point d = piece.PointAt(s)-tip, t = piece.Tangent(s);
@@ -52,6 +54,8 @@ namespace ngsxfem_contact
             if (r <= reach || cosine < 0.5) return;
             reach = r;
             s_reach = passed;
+            arms.back().far = r;
+            arms.back().t_far = piece.Parameter(s);
           }
         if (i == last) return;
       }
@@ -75,24 +79,23 @@ namespace ngsxfem_contact
   TipCurve::Turns<double> TipCurve :: General (double r) const
   {
     r = std::clamp(r, 1e-12*reach, reach);
-    // Newton's method for the point at distance r: the distance grows with s, at half its rate at least
-    double s = r * s_reach/reach;
-    Point d, t;
-    double k = 0;
+    auto & arm = *std::lower_bound(arms.begin(), arms.end()-1, r, [] (auto & arm, double r) { return arm.far < r; });
+    auto & piece = crack->Piece(arm.piece);
+    // Newton's method for the point at distance r, which grows with the parameter
+    double range = arm.t_far-arm.t_near, share = (r-arm.near)/(arm.far-arm.near);
+    Point d, dx;
     for (int it = 0; it < 30; it++)
       {
-        double at = FromEnd(s);
-        size_t segment = crack->SegmentAt(at);
-        d = crack->PointAt(segment, at)-tip;
-        t = crack->Tangent(segment, at);
-        k = crack->Piece(segment).Curvature(at-crack->ArcLength(segment));
-        if (at_end) { t = Point(-1*t); k = -k; }
-        double now = Norm(d);
-        if (now == 0) { s = r; continue; }
-        double step = (r-now)*now/Dot(d, t);
-        s = std::clamp(s+step, 1e-14*s_reach, s_reach);
-        if (std::abs(step) < 1e-14*s_reach) break;
+        double t = arm.t_near + share*range;
+        d = piece.Value(t)-tip;
+        dx = piece.Derivative(t);
+        double now = Norm(d), step = now > 0 ? (r-now)*now/(Dot(d, dx)*range) : r/reach;
+        if (std::abs(step) < 1e-14) break;
+        share = std::clamp(share+step, arm.near > 0 ? 0 : 1e-14, 1.0);
       }
+    double sign = at_end ? -1 : 1, speed = Norm(dx);
+    double k = sign*Cross(dx, piece.SecondDerivative(arm.t_near + share*range))/(speed*speed*speed);
+    Point t = sign/speed * dx;
     double now = Norm(d);
     Point e = 1/now * d;
     double along = Dot(e, t), across = Cross(e, t);

@@ -19,6 +19,9 @@ namespace ngsxfem_contact
     double curvature = 0;                    // α = curvature r/2 + ..., of an arc asin(curvature r/2)
     double reach;                            // where r stops to grow along the crack, or a kink comes
     double s_reach;                          // arc length from the tip to there
+    /// Part of a piece along which the distance from the tip grows: distances and parameters of its ends.
+    struct Arm { size_t piece; double near, far, t_near, t_far; };
+    std::vector<Arm> arms;
 
   public:
     /// A rotation: cos, sin and the derivative of its angle by r.
