@@ -15,7 +15,7 @@ from ._ngsxfem_contact import Crack, CrackBilinearForm, CrackedMesh, ElementKind
 from .checks import Coercivity, InfSup
 from .conditioning import ConditionNumber, CrackScaling
 from .elasticity import Elasticity
-from .errors import NotCoercive, NotConverged, SingularSystem, SolveError
+from .errors import AccuracyWarning, NotCoercive, NotConverged, SingularSystem, SolveError
 from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 from .friction import Coulomb, Tresca
 from .growth import CrackGrowth, GivenIncrement, MaximumHoopStress, Paris, WingCracks
@@ -38,5 +38,5 @@ __all__ = [
     "ContactSolution", "InteractionIntegral", "ModeCoefficients", "JumpExtrapolation",  # the answer
     "CrackGrowth", "GivenIncrement", "MaximumHoopStress", "Paris", "WingCracks",  # growth
     "Coercivity", "InfSup", "ConditionNumber", "CrackScaling",  # checks by number
-    "SolveError", "NotConverged", "SingularSystem", "NotCoercive",  # exceptions
+    "SolveError", "NotConverged", "SingularSystem", "NotCoercive", "AccuracyWarning",  # exceptions and warnings
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""What a solve can refuse."""
+"""What a solve can refuse, and what it warns of."""
 
 
 class SolveError(RuntimeError):
@@ -22,3 +22,7 @@ class SingularSystem(SolveError):
 
 class NotCoercive(SolveError):
     """K - K_γ, (13) of [AHLMR12], is not positive: gamma0 is too large. The message names a bound; BarbosaHughes() chooses γ itself."""
+
+
+class AccuracyWarning(UserWarning):
+    """The answer is less accurate than it looks: the message says where, why and what to do about it."""
