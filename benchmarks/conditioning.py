@@ -21,10 +21,11 @@ from scipy.linalg import eigh
 from ngsxfem_contact import BarbosaHughes, Crack, CrackedMesh, CrackFESpace, Strain, TipEnrichment
 from ngsxfem_contact.conditioning import scaling_blocks
 from ngsxfem_contact.connectivity import VertexCopies
+from ngsxfem_contact.face_traction import ComparedTraction
 from ngsxfem_contact.negligible import without_negligible
+from ngsxfem_contact.operators import NORMAL
 from ngsxfem_contact.paper import MATERIAL
 from ngsxfem_contact.spaces import to_scipy
-from ngsxfem_contact.stabilisation import squared_traces
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import adversarial  # noqa: E402
@@ -43,7 +44,7 @@ def cracked_matrices(V):
     stabilisation = BarbosaHughes()
     A = BilinearForm(V, symmetric=True)
     A += InnerProduct(MATERIAL.Stress(Strain(u)), Strain(v)) * V.body.dx
-    A += -stabilisation.Gamma(V, MATERIAL) * squared_traces(stabilisation, u, v, MATERIAL, V.body) * V.body.dcrack
+    A += -stabilisation.Gamma(V, MATERIAL) * ComparedTraction(V.body, MATERIAL, stabilisation.sides).Squared(u, v, [NORMAL]) * V.body.dcrack
     kept = np.array(without_negligible(A.Assemble().mat, V, V.FreeDofs()))
     return to_scipy(A.mat).toarray(), dense(BilinearForm(u * v * V.body.dx)), kept
 

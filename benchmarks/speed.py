@@ -38,9 +38,9 @@ from ngsolve import (
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact._ngsxfem_contact import CrackBilinearForm
-from ngsxfem_contact.operators import Strain
+from ngsxfem_contact.face_traction import ComparedTraction
+from ngsxfem_contact.operators import NORMAL, Strain
 from ngsxfem_contact.paper import BODY_FORCE, MATERIAL, PAIRS, TRACTION
-from ngsxfem_contact.stabilisation import squared_traces
 
 BODIES = {"interior": (Crack([(0.3, 0.01), (0.7, 0.03)]), 0.1), "edge": (Crack([(0, 0), (0.5, 0)]), 0.49)}
 GETFEM = """
@@ -132,7 +132,7 @@ class Case:
         u, v = V.TnT()
         form = CrackBilinearForm(V, symmetric=True)
         form += InnerProduct(MATERIAL.Stress(Strain(u)), Strain(v)) * V.body.dx
-        form += -gamma * squared_traces(BarbosaHughes(), u, v, MATERIAL, V.body) * W.dcrack
+        form += -gamma * ComparedTraction(V.body, MATERIAL, BarbosaHughes.sides).Squared(u, v, [NORMAL]) * W.dcrack
         return form.Assemble().mat
 
     def PlainStiffness(self, X):

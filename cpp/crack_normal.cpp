@@ -36,6 +36,26 @@ namespace ngsxfem_contact
         values(k, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane]))(k); });
   }
 
+  double CrackLabel :: At (size_t element, Point x) const
+  {
+    auto cut = body->Find(element);
+    return cut ? label(cut->CrackAt(body->Cracks(), x)) : 0;
+  }
+
+  double CrackLabel :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  {
+    auto x = ip.GetPoint();
+    return At(ip.GetTransformation().GetElementNr(), Point(x(0), x(1)));
+  }
+
+  void CrackLabel :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  {
+    auto x = mir.GetPoints();
+    size_t element = mir.GetTransformation().GetElementNr();
+    for (size_t i = 0; i < mir.Size(); i++)
+      values(0, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane])); });
+  }
+
   double CrackSide :: Evaluate (const BaseMappedIntegrationPoint & ip) const
   {
     auto x = ip.GetPoint();

@@ -1,5 +1,5 @@
 #pragma once
-// The unit normal and tangent of the nearest point of Γ_C, and the side of a point, as coefficient functions.
+// The unit normal and tangent of the nearest point of Γ_C, what is known of it, and the side of a point, as coefficient functions.
 
 #include "cracked_mesh.hpp"
 #include <coefficient.hpp>
@@ -19,6 +19,21 @@ namespace ngsxfem_contact
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
   private:
     Point At (size_t element, Point x) const;
+  };
+
+  /// A number that belongs to a crack in an element, at points of Γ_C; 0 in elements that no crack meets.
+  class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
+  {
+    using Label = std::function<double(const ElementCrack &)>;
+    shared_ptr<CrackedMesh> body;
+    Label label;
+  public:
+    CrackLabel (shared_ptr<CrackedMesh> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
+  private:
+    double At (size_t element, Point x) const;
   };
 
   /// H of one crack: +1 on its plus side, -1 on its minus side.

@@ -20,17 +20,22 @@ __all__: list[str] = [
     "CutDifferentialSymbol",
     "CutOff",
     "Degeneracy",
+    "Domain",
     "ElementKind",
     "ElementLocation",
     "ElementPart",
     "EndKind",
+    "FormTerm",
     "InnerIntegrals",
     "MeshTraceBasis",
     "NodalTraceBasis",
     "NumNegativePivots",
+    "OperatorName",
     "Piece",
+    "PointOf",
     "SchurComplement",
     "Side",
+    "TermsOf",
     "Tip",
     "TipBasis",
     "TipSpec",
@@ -556,6 +561,12 @@ class CrackedMesh:
 
     def __init__(self, mesh: ngsolve.comp.Mesh, *args) -> None: ...
     @property
+    def crack_number(self) -> ngsolve.fem.CoefficientFunction:
+        """
+        On the cracks the number of the crack: a CoefficientFunction.
+        """
+
+    @property
     def cracks(self) -> list[Crack]:
         """
         The Cracks, in the order in which they were given.
@@ -583,6 +594,12 @@ class CrackedMesh:
     def dx(self) -> CutDifferentialSymbol:
         """
         The measure on the body without the cracks.
+        """
+
+    @property
+    def larger_side(self) -> ngsolve.fem.CoefficientFunction:
+        """
+        On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction.
         """
 
     @property
@@ -836,6 +853,103 @@ class MeshTraceBasis(TraceBasis):
         self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
 
+class Domain:
+    """
+    What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.
+
+    Members:
+
+      Bulk
+
+      Larger
+
+      Crack
+    """
+
+    Bulk: typing.ClassVar[Domain]
+    Crack: typing.ClassVar[Domain]
+    Larger: typing.ClassVar[Domain]
+    __members__: typing.ClassVar[dict[str, Domain]]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
+class FormTerm:
+    """
+    One integral of a form: its measure, and which functions of which spaces it holds.
+    """
+
+    @property
+    def body(self) -> CrackedMesh:
+        """
+        The CrackedMesh of its measure; None for a measure of NGSolve.
+        """
+
+    @property
+    def crack(self) -> int | None:
+        """
+        The number of the only crack that it is taken over, or None.
+        """
+
+    @property
+    def domain(self) -> Domain:
+        """
+        The Domain of its measure.
+        """
+
+    @property
+    def element_normal(self) -> bool:
+        """
+        Whether it holds NGSolve's normal vector, which is zero inside of elements.
+        """
+
+    @property
+    def elements(self) -> pyngcore.pyngcore.BitArray:
+        """
+        BitArray of the elements that it is restricted to, or None.
+        """
+
+    @property
+    def form(self) -> ngsolve.comp.SumOfIntegrals:
+        """
+        The integral as a form.
+        """
+
+    @property
+    def integrand(self) -> ngsolve.fem.CoefficientFunction:
+        """
+        The function that is integrated.
+        """
+
+    @property
+    def on_boundary(self) -> bool:
+        """
+        Whether it is taken over the boundary, or an inner interface.
+        """
+
+    @property
+    def regions(self) -> pyngcore.pyngcore.BitArray:
+        """
+        BitArray of the regions (materials or boundaries) that it is restricted to, or None.
+        """
+
+    @property
+    def test(self) -> list[ngsolve.comp.ProxyFunction]:
+        """
+        The test functions in it, one for each operator that is applied to them.
+        """
+
+    @property
+    def trial(self) -> list[ngsolve.comp.ProxyFunction]:
+        """
+        The trial functions in it, one for each operator that is applied to them.
+        """
+
 def BorderedMatrix(
     matrix: ngsolve.la.SparseMatrixd,
     inner: pyngcore.pyngcore.BitArray,
@@ -858,6 +972,16 @@ def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:
     Number of negative eigenvalues of a factorised matrix; -1: a pivot is not finite.
     """
 
+def OperatorName(proxy: ngsolve.comp.ProxyFunction) -> str:
+    """
+    The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ...
+    """
+
+def PointOf(functional: ngsolve.fem.PointEvaluationFunctional) -> tuple[float, float]:
+    """
+    The point (x, y) of an evaluation such as v(x, y) in a linear form.
+    """
+
 def SchurComplement(
     factors: ngsolve.la.BaseMatrix,
     height: int,
@@ -867,6 +991,11 @@ def SchurComplement(
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
     K inv(A) K^T, dense, from sparsecholesky factors of A and K in CSC format.
+    """
+
+def TermsOf(form: ngsolve.comp.SumOfIntegrals) -> list[FormTerm]:
+    """
+    The FormTerms of a form, one for each integral.
     """
 
 def Variation(form: ngsolve.comp.SumOfIntegrals) -> ngsolve.comp.SumOfIntegrals:

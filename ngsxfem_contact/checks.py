@@ -6,26 +6,31 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from .connectivity import VertexCopies
+from .contact_system import stiffness_form
 from .elimination import Elimination
 from .errors import NotCoercive, SingularSystem
-from .operators import NormalGap, Strain
+from .operators import NormalGap
 from .progress import doing
 from .spaces import mask, to_scipy
-from .stabilisation import squared_traces
 
 
-def check_data(system, problem):
-    """Raises ValueError for loads, given values or gaps that are not finite."""
+def check_gap(system):
+    """Raises ValueError for an initial gap that is not finite, or negative somewhere."""
+    gap = system.G[: system.nodes.ndof]
+    if not np.isfinite(gap).all():
+        raise ValueError("the initial gap is not finite (NaN or inf): check `gap` on the whole crack")
+    if (gap < -1e-12 * np.abs(gap).max()).any():
+        raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
+
+
+def check_load(F, given):
+    """Raises ValueError for a load or given displacements, arrays, that are not finite."""
     for values, what, where in (
-        (system.F, "the load `f`", "its coefficient functions on the whole body"),
-        (problem.given.vec.FV().NumPy(), "a given displacement", "Pin and SetDirichlet"),
-        (system.G, "the initial gap", "`gap` on the whole crack"),
+        (F, "the load `f`", "its coefficient functions on the whole body"),
+        (given, "a given displacement", "Pin and SetDirichlet"),
     ):
         if not np.isfinite(values).all():
             raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
-    gap = system.G[: system.nodes.ndof]
-    if (gap < -1e-12 * np.abs(gap).max()).any():
-        raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
 
 
 def check_rigid_motions(problem):
@@ -77,12 +82,11 @@ def Coercivity(problem):
     gamma = problem.Gamma()
     if gamma is None:
         return 1.0
-    V, material, body = problem.V, problem.material, problem.body
+    V = problem.V
     u, v = V.TnT()
-    K = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx, symmetric=True).Assemble().mat
-    K_gamma = to_scipy(
-        BilinearForm(gamma * squared_traces(problem.stabilisation, u, v, material, body, problem.friction.components) * body.dcrack).Assemble().mat
-    )
+    K = stiffness_form(problem).Assemble().mat
+    squared = problem.ComparedTraction().Squared(u, v, problem.friction.components)
+    K_gamma = to_scipy(BilinearForm(gamma * squared * problem.body.dcrack).Assemble().mat)
     with doing(f"smallest eigenvalue of K - K_γ against K, {V.ndof} unknowns"):
         return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
 

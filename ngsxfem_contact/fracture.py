@@ -1,11 +1,13 @@
 """Stress intensity factors and energy release rates: section 9 of docs/method.md.
 
-All are values of one symmetric form of two equilibrated fields a, b at a tip with the direction e ahead,
+All are values of one symmetric form of two equilibrated fields a, b at a tip with the direction e ahead, σ = σ(u) + σ⁰ with a given stress σ⁰,
 
-    I(a,b) = -∫ ∇q·M - ∫ q (f_a·∂_e b + f_b·∂_e a) + ∫_{lips} q M·ν,    M = (σ_a:∇b) e - σ_a ∂_e b - σ_b ∂_e a,
+    I(a,b) = -∫ ∇q·M - ∫ q (f_a·∂_e b + f_b·∂_e a + ∂_e σ⁰_a:∇b + ∂_e σ⁰_b:∇a) + ∫_{lips} q M·ν,
+    M = (σ(a):∇b + σ⁰_a:∇b + σ⁰_b:∇a) e - σ_a ∂_e b - σ_b ∂_e a,
 
-q = 1 at the tip, 0 outside of a disk, ν outward. The tractions of the lips are those of contact and friction, λ n + λ_t t;
-λ_h is least accurate at a tip, where it counts most: at straight tips the mean of λ_h and σ_n(u_h) is taken, and half of
+q = 1 at the tip, 0 outside of a disk, ν outward. On the lips σν is what acts there: contact and friction, λ n + λ_t t, and the
+tractions that are given or that a joint exerts.
+λ_h is least accurate at a tip, where it counts most: at straight tips the mean of λ_h and R_h(u_h) + r_0 is taken, and half of
 their difference is reported everywhere.
 I(u, mode of unit K) = (κ+1)/(4μ) K, and I(u,u) = 2G.
 """
@@ -13,11 +15,12 @@ I(u, mode of unit K) = (κ+1)/(4μ) K, and I(u,u) = 2G.
 from dataclasses import dataclass, field
 
 import numpy as np
-from ngsolve import BitArray, IfPos, InnerProduct, Integrate
+from ngsolve import CF, L2, BitArray, CoefficientFunction, GridFunction, IfPos, InnerProduct, Integrate, grad
 
 from . import _ngsxfem_contact as core
 from .arguments import check_item, check_number, check_whole
-from .operators import Gradient, NormalGap, NormalStress, Slip, Strain
+from .load import AppliedLoad
+from .operators import NORMAL, Gradient, NormalGap, Slip
 from .spaces import crack_points
 from .split_mesh import mesh_arrays
 from .tip_fields import SIDE, TipFrame
@@ -64,13 +67,33 @@ class EnergyReleaseRate:
 
 
 @dataclass
+class GivenStress:
+    """A stress σ⁰ and its derivative ahead, 2 × 2 CoefficientFunctions."""
+
+    stress: CoefficientFunction
+    ahead: CoefficientFunction
+
+
+@dataclass
 class TipField:
-    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions σn on the lips, and an AppliedLoad or None."""
+    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions on the lips, an AppliedLoad or None, and a GivenStress or None.
+
+    stress: C:ε(u), without the given part.    traction: of the whole stress, σn.
+    """
 
     gradient: dict
     stress: dict
     traction: dict
-    load: object = None
+    load: AppliedLoad | None = None
+    given: GivenStress | None = None
+
+    def Whole(self, side):
+        """The stress on a side, the given part included."""
+        return self.stress[side] if self.given is None else self.stress[side] + self.given.stress
+
+    def GivenWork(self, other):
+        """σ⁰:∇b as a function of the side, b another field."""
+        return lambda side: CF(0.0) if self.given is None else InnerProduct(self.given.stress, other.gradient[side])
 
 
 def material_at(solution, tip):
@@ -89,23 +112,37 @@ def mode_fields(frame, material):
 
 
 def solution_field(solution, frame):
-    """u with its load and the tractions of contact and friction: the normal one from λ_h and σ_n(u_h), and λ_t."""
-    body, material = solution.body, solution.problem.material
+    """u with its load, its given stress, and what acts on the lips: the contact pressure from λ_h and R_h(u_h), λ_t, given tractions, joints."""
+    body, material, applied = solution.body, solution.problem.material, solution.load.applied
     gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
     stress = {side: material.Stress(_symmetric(g)) for side, g in gradient.items()}
     multiplier, mean = pressures(solution)
     # the lips of a bent tip function are not free of traction: σ_n(u_h) is the worse one there
     straight = frame.crack.CurvatureAt(frame.tip.s) == 0
-    traction = (0.5 * (multiplier + mean) if straight else multiplier) * body.normal
+    contact = (0.5 * (multiplier + mean) if straight else multiplier) * body.normal
     if solution.tangential_multiplier is not None:
-        traction = traction + solution.tangential_multiplier * body.tangent
-    return TipField(gradient, stress, dict.fromkeys(SIDE, traction), solution.load.applied)
+        contact = contact + solution.tangential_multiplier * body.tangent
+    own = solution.FaceTractions()
+    return TipField(gradient, stress, {"plus": contact - own.plus, "minus": contact + own.minus}, applied, given_stress(solution, frame))
+
+
+def given_stress(solution, frame):
+    """The GivenStress of a solution, or None; its derivative is that of its projection onto polynomials on each element of the disk."""
+    given = solution.load.applied.stress
+    if given is None:
+        return None
+    space = L2(solution.body.mesh, order=solution.problem.V.order + 2)
+    parts = []
+    for component in given.Reshape((4,)):
+        projected = GridFunction(space)
+        projected.Set(component)
+        parts.append(InnerProduct(grad(projected), frame.ahead))
+    return GivenStress(given, CF(tuple(parts), dims=(2, 2)))
 
 
 def pressures(solution):
-    """λ_h, and instead of it, where the faces touch, the mean of σ_n(u_h) from both sides: both ≤ 0 in exact contact."""
-    stress = solution.problem.material.Stress
-    mean = sum(0.5 * NormalStress(stress(Strain(solution.u, side)), solution.body) for side in SIDE)
+    """λ_h, and instead of it, where the faces touch, the mean of R_h(u_h) + r_0 from both sides: both ≤ 0 in exact contact."""
+    mean = sum(0.5 * solution.Traction(NORMAL, side) for side in SIDE)
     threshold = 1e-10 * np.abs(solution.multiplier.vec.FV().NumPy()).max()
     return solution.multiplier, IfPos(-solution.multiplier - threshold, mean, solution.multiplier)
 
@@ -129,18 +166,27 @@ class TipIntegral:
 
     def _volume(self, a, b):
         e = self.frame.ahead
-        M = InnerProduct(a.stress[None], b.gradient[None]) * e - a.stress[None] * (b.gradient[None] * e) - b.stress[None] * (a.gradient[None] * e)
+        energy = InnerProduct(a.stress[None], b.gradient[None]) + a.GivenWork(b)(None) + b.GivenWork(a)(None)
+        M = energy * e - a.Whole(None) * (b.gradient[None] * e) - b.Whole(None) * (a.gradient[None] * e)
         return -Integrate(InnerProduct(M, self.grad_q).Compile() * self.disk, self.mesh)
 
     def _loads(self, a, b):
-        moved = lambda f: [(self.q * (f.gradient[side] * self.frame.ahead)).Compile() for side in (None, *SIDE)]
-        return -sum(one.load.Evaluate(self.mesh, *moved(other), self.elements) for one, other in ((a, b), (b, a)) if one.load is not None)
+        return -sum(self._load(one, other) for one, other in ((a, b), (b, a)))
+
+    def _load(self, one, other):
+        """∫ q (f·∂_e + ∂_e σ⁰:∇) of the other field, f and σ⁰ of the one."""
+        moved = lambda: (self.q * (other.gradient[None] * self.frame.ahead)).Compile()
+        work = one.load.BodyForce(moved(), self.elements) if one.load is not None else 0.0
+        if one.given is not None:
+            work += Integrate((self.q * InnerProduct(one.given.ahead, other.gradient[None])).Compile() * self.disk, self.mesh)
+        return work
 
     def _lips(self, a, b):
         """ν = -n on the plus lip, n on the minus lip."""
         e, n, flow = self.frame.ahead, self.body.normal, 0
         for side, sign in SIDE.items():
-            along_n = InnerProduct(a.stress[side], b.gradient[side]) * InnerProduct(e, n)
+            energy = InnerProduct(a.stress[side], b.gradient[side]) + a.GivenWork(b)(side) + b.GivenWork(a)(side)
+            along_n = energy * InnerProduct(e, n)
             along_n -= InnerProduct(a.traction[side], b.gradient[side] * e) + InnerProduct(b.traction[side], a.gradient[side] * e)
             flow -= sign * along_n
         return self._along(flow)
@@ -187,12 +233,13 @@ def elements_within(mesh, point, radius):
     return elements
 
 
-def disks(frame, material, radius):
+def disks(frame, solution, radius):
     """The radii of the domains of integration: that given, or eight elements if there is room, and parts of it.
 
-    material: the problem's.    Raises ValueError if a disk leaves the body or the material of the tip, meets another crack, or has less than two elements in its radius.
+    Raises ValueError if a disk leaves the body or the material of the tip, meets another crack, a point load or a loaded inner interface, or
+    has less than two elements in its radius.
     """
-    room, limit = frame.Clearance(material)
+    room, limit = frame.Clearance(solution.problem.material, solution.load.applied)
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
     check_number(radius, f"the domain at the tip {frame.tip.point}: radius", lambda radius: radius > 0, "be positive")
@@ -218,7 +265,7 @@ class InteractionIntegral:
     def Evaluate(self, solution, tip):
         """StressIntensityFactors of the largest domain, with their change over three and with the pressure."""
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
-        u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution.problem.material, self.radius)
+        u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
         integrals = [TipIntegral(solution.problem.W, frame, radius) for radius in radii]
         scale = 4 * material.mu / (material.kappa + 1)
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
@@ -301,6 +348,6 @@ def energy_release_rate(solution, tip, radius):
     material, frame = material_at(solution, tip), TipFrame(solution.body, tip)
     K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
     irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
-    u, radii = solution_field(solution, frame), disks(frame, solution.problem.material, radius)
+    u, radii = solution_field(solution, frame), disks(frame, solution, radius)
     G = np.array([0.5 * TipIntegral(solution.problem.W, frame, r)(u, u) for r in radii])
     return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)

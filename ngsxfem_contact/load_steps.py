@@ -1,8 +1,7 @@
 """Many loads on one problem: everything sparse is done once, each step runs on the crack's own unknowns."""
 
-import numpy as np
-
 from .arguments import check_number, check_type
+from .checks import check_load
 from .load import AppliedLoad
 from .progress import doing
 from .solver import ReducedProblem
@@ -18,15 +17,14 @@ class LoadCase:
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
         self.applied = AppliedLoad.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
-        for values, what in ((self.F, "the load `f`"), (self.given, "a given displacement")):
-            if not np.isfinite(values).all():
-                raise ValueError(f"LoadCase: {what} of the problem is not finite (NaN or inf); check its coefficient functions on the whole body")
+        check_load(self.F, self.given)
 
 
 class LoadSteps:
     """Solves (38) for F(t) = Σ t_i F_i, with the displacements Σ t_i U_D,i given where the problem is held.
 
-    cases: LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap stays.
+    cases: LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap, the initial stress and
+    the temperature stay.
     inverse: as for ContactProblem.Solve.
 
         steps = LoadSteps(problem)
@@ -36,7 +34,7 @@ class LoadSteps:
         problem.SetDirichlet((0, 0), "top");  problem.f += shear * v * body.ds("left");  push = LoadCase(problem)
         steps = LoadSteps(problem, [press, push]);  solution = steps.Solve(1, 0.3)
 
-    Stiffness matrix, multipliers, held parts and the gap are those of the problem when LoadSteps is built. One
+    Stiffness matrix, multipliers, held parts, the gap and the given stresses are those of the problem when LoadSteps is built. One
     factorisation, one back-substitution for each case, then dense algebra of the size of the multiplier for each step;
     the displacement of a step costs a back-substitution when it is first used, and is checked then.
     With friction slip is measured from the step before (`previous=None` starts afresh), so the order of steps matters.

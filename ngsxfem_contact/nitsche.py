@@ -21,10 +21,11 @@ from scipy.sparse.linalg import spsolve
 
 from .arguments import check_number, check_positive, check_whole
 from .cones import Nonpositive
+from .contact_system import ContactSystem, stiffness_form
 from .operators import NORMAL
-from .problem import ContactSystem, stiffness_form
 from .spaces import crack_points, mass_matrix, to_scipy
 from .stabilisation import BarbosaHughes
+from .terms import unit_limits
 
 
 @dataclass(frozen=True)
@@ -164,6 +165,15 @@ class NitscheSystem(ContactSystem):
         self.stiffness = stiffness_form(problem).Assemble().mat
         add_to(self.stiffness, -self.theta * (self.R.T @ diags(1 / self.D.diagonal()) @ self.R))
 
+    def _given_moments(self, component, shift):
+        """ωγ r_0 of one component."""
+        return self.nodes.weights * self.nodes.Values(self.gamma * self.traction.Given(component, shift))
+
+    def _given_forces(self, shift):
+        """θ ∫γ r_0 R_h(v) = -θ Rᵀ r_0."""
+        values = np.concatenate([self.nodes.Values(self.traction.Given(component, shift)) for component in self.components])
+        return -self.theta * (self.R.T @ values)
+
     def InitialGap(self, problem):
         """ω g_0."""
         return self.nodes.weights * self.nodes.Values(problem.gap)
@@ -200,7 +210,15 @@ def component_rows(problem, nodes):
     for component in problem.friction.components:
         jumps.append(combined([component.jump(GivenJump(e), body) for e in units(2)], jump))
         tractions.append(combined([component.traction(stress(Sym(e)), body) for e in units(4, dims=(2, 2))], gradient))
-    return jumps, tractions
+    return jumps, tractions if problem.a.joint is None else [t + r for t, r in zip(tractions, joint_rows(problem, nodes))]
+
+
+def joint_rows(problem, nodes):
+    """What the joint adds to R at the points, for each component a sparse matrix."""
+    columns = [problem.a.joint.Tractions(u) for pair in unit_limits() for u in pair]
+    rows = [row for operator in ("plus", "minus") for row in nodes.Rows(problem.V, operator)]
+    for component in problem.friction.components:
+        yield sum(diags(nodes.Values(t.Shift(component, "larger", problem.body))) @ row for t, row in zip(columns, rows))
 
 
 def add_to(matrix, other):

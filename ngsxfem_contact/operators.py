@@ -68,11 +68,12 @@ def TangentialStress(stress, body):
 
 @dataclass(frozen=True)
 class Component:
-    """One direction on the crack: jump(u, body) of the displacement and traction(stress, body), its work conjugate."""
+    """One direction(body) on the crack: jump(u, body) of the displacement and traction(stress, body), its work conjugate."""
 
     jump: Callable
     traction: Callable
+    direction: Callable
 
 
-NORMAL = Component(NormalGap, NormalStress)
-TANGENTIAL = Component(Slip, TangentialStress)
+NORMAL = Component(NormalGap, NormalStress, lambda body: body.normal)
+TANGENTIAL = Component(Slip, TangentialStress, lambda body: body.tangent)

@@ -1,23 +1,24 @@
-"""The data of a contact problem: (12) of [AHLMR12] and its matrices (38)."""
+"""The data of a contact problem: (12) of [AHLMR12]."""
 
 from numbers import Real
 
 import numpy as np
-from ngsolve import VERTEX, BilinearForm, BitArray, CoefficientFunction, GridFunction, InnerProduct, LinearForm, NodeId, Parameter
-from scipy.sparse import block_diag, csr_matrix, vstack
+from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, InnerProduct, LinearForm, NodeId, Parameter
 from scipy.sparse.linalg import splu
 
 from . import _ngsxfem_contact as core
-from .arguments import INFINITY, check_function, check_number, check_type
+from .arguments import INFINITY, check_function, check_item, check_number, check_type
 from .cones import CONES
+from .contact_system import ContactSystem
 from .elasticity import Isotropic
+from .face_traction import ComparedTraction
 from .friction import Friction, Frictionless
-from .load import LoadForm
+from .load import LoadForm, StiffnessForm, load_form
 from .mouths import boundary_mass, mouth_weight, short_traces
-from .operators import Strain
+from .operators import Gradient, Minus, Plus
 from .solver import solve
-from .spaces import check_regions, to_scipy
-from .stabilisation import BarbosaHughes, Unstabilised, squared_traces, summed_traces
+from .spaces import check_regions
+from .stabilisation import BarbosaHughes, Unstabilised, softened
 
 COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
 
@@ -31,6 +32,17 @@ def check_modes(V, material):
                 raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {here}; pass the same to TipEnrichment(material=...)")
 
 
+def given_stresses(material, initial_stress, temperature):
+    """The stresses σ⁰ of initial_stress= and temperature=, 2 × 2 CoefficientFunctions."""
+    if initial_stress is not None:
+        initial_stress = check_function(initial_stress, "ContactProblem: initial_stress", 4)
+        if tuple(initial_stress.dims) != (2, 2):
+            raise ValueError("ContactProblem: initial_stress must be a 2 × 2 matrix, CF((xx, xy, xy, yy), dims=(2, 2))")
+        yield initial_stress
+    if temperature is not None:
+        yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
+
+
 class ContactProblem:
     """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
 
@@ -39,9 +51,13 @@ class ContactProblem:
     cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
     friction: None (default), Tresca(s) or Coulomb(mu_f).
+    initial_stress: σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
+    temperature: ΔT, a number or CoefficientFunction, the change since the body was free of stress; the material needs alpha=.
 
     Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test
-    function of V. Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
+    function of V; load the faces of the cracks by FacePressure and FaceTraction. Springs and elastic joints are added to `a`:
+    problem.a += k*u*v*body.ds("bottom") + c*Jump(u)*Jump(v)*body.dcrack.
+    Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
     Raises TypeError for other objects, ValueError for spaces on different bodies, a negative gap, an unknown cone, and modes of another material.
 
     >>> from ngsolve import *
@@ -56,7 +72,7 @@ class ContactProblem:
     -1.000000
     """
 
-    def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None):
+    def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None, initial_stress=None, temperature=None):
         check_type(V, core.CrackFESpace, "ContactProblem: V", "a CrackFESpace")
         check_type(W, core.TraceSpace, "ContactProblem: W", "a TraceSpace")
         if V.body is not W.body:
@@ -78,7 +94,9 @@ class ContactProblem:
         self.cone = CONES[cone]
         self.friction = friction if friction is not None else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
-        self.f = LoadForm(V)
+        self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
+        for stress in given_stresses(material, initial_stress, temperature):
+            self.initial += -InnerProduct(stress, Gradient(V.TestFunction())) * V.body.dx
         self.given = GridFunction(V)
         self.pinned = []
         self.free = BitArray(V.FreeDofs())
@@ -87,6 +105,46 @@ class ContactProblem:
     def body(self):
         """The CrackedMesh."""
         return self.V.body
+
+    @property
+    def f(self):
+        """The loads, a LoadForm: add terms by +=."""
+        return self._f
+
+    @f.setter
+    def f(self, form):
+        """Itself after +=, or an empty LinearForm(problem.V), to begin anew."""
+        self._f = load_form(form, self.V)
+
+    @property
+    def a(self):
+        """Springs and elastic joints, a StiffnessForm: add terms by +=."""
+        return self._a
+
+    @a.setter
+    def a(self, form):
+        """Itself after +=."""
+        if form is not self._a:
+            raise TypeError(f"problem.a cannot be replaced by {form!r}; add terms to it, problem.a += ...")
+
+    def FacePressure(self, p, crack=None):
+        """Adds a pressure on both faces, of a fluid in the crack: it opens the crack where p > 0, and λ ≤ 0 carries what it leaves.
+
+        p: number or CoefficientFunction, a stress.    crack: number of the crack, default all of them.
+        """
+        p = check_function(p, "FacePressure: p", 1)
+        self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack)
+
+    def FaceTraction(self, plus=(0, 0), minus=(0, 0), crack=None):
+        """Adds tractions on the plus and on the minus face, forces on the body for each unit of length: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
+
+        plus, minus: CoefficientFunctions with two components or tuples, stresses.    crack: number of the crack, default all of them.
+        """
+        plus, minus = (check_function(t, f"FaceTraction: {name}", 2) for t, name in ((plus, "plus"), (minus, "minus")))
+        if crack is not None:
+            check_item(crack, self.body.cracks, "crack", "body.cracks")
+        v, measure = self.V.TestFunction(), self.body.dcrack if crack is None else self.body.dcrack(crack=crack)
+        self.f += (plus * Plus(v) + minus * Minus(v)) * measure
 
     def Pin(self, point, components, value=0):
         """Fixes components ("x", "y" or "xy") of u at a mesh vertex to a number, or to one number for each component.
@@ -155,17 +213,18 @@ class ContactProblem:
             raise ValueError(f"SetDirichlet: a vertex of {region!r} was pinned to another value; remove the Pin, or give both the same value")
         given[dofs] = values
 
+    def ComparedTraction(self):
+        """R_h of this problem: a ComparedTraction."""
+        return ComparedTraction(self.body, self.material, self.stabilisation.sides, self.a.joint)
+
     def Gamma(self):
         """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
-        return self.stabilisation.Gamma(self.V, self.material, self.friction.components)
-
-    def Loads(self):
-        """F of (38), an array."""
-        return self.f.Assemble().vec.FV().NumPy().copy()
+        gamma = self.stabilisation.Gamma(self.V, self.material, self.friction.components)
+        return softened(gamma, self.a.joint)
 
     def Assemble(self):
         """The matrices of (38): a ContactSystem."""
-        return self.stabilisation.System(self) if hasattr(self.stabilisation, "System") else ContactSystem(self)
+        return getattr(self.stabilisation, "System", ContactSystem)(self)
 
     def Solve(self, **options):
         """Solves and returns a ContactSolution; options: inverse, previous, cone, r, start, max_iterations, see `solver.solve`.
@@ -175,95 +234,3 @@ class ContactProblem:
         (gamma0 too large), NotConverged.
         """
         return solve(self, **options)
-
-
-class ContactSystem:
-    """K - K_γ as an NGSolve matrix; E = B - C_γ and D_γ as scipy matrices; F, G as arrays: the blocks of (38).
-
-    gamma: γ or None.    nodes: where the signs are taken, W or what stands for it.    weights: ∫ψ_i, the length of Γ_C that
-    belongs to each multiplier.
-
-    Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
-    With friction the multiplier is L = (L_n, L_t), the rows of B are -∫ψ_i g_n and -∫ψ_i g_t, those of C_γ ∫γψ_i R_n and
-    ∫γψ_i R_t, R_t = σ_t of the larger part, and K_γ = ∫γ (R_n R_n + R_t R_t).
-    """
-
-    def __init__(self, problem):
-        self.gamma = problem.Gamma()
-        self._assemble(problem)
-        self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
-        self.F = problem.Loads()
-        self.G = np.zeros(self.E.shape[0])
-        self.G[: self.nodes.ndof] = self.InitialGap(problem)
-
-    def _assemble(self, problem):
-        """nodes, stiffness, E, D, weights."""
-        V, W, body, material = problem.V, problem.W, problem.body, problem.material
-        components = problem.friction.components
-        u, v = V.TnT()
-        lam, mu = W.TnT()
-        stiffness = stiffness_form(problem)
-        mass = csr_matrix((W.ndof, W.ndof))
-        if self.gamma is not None:
-            stiffness += -self.gamma * squared_traces(problem.stabilisation, u, v, material, body, components) * W.dcrack
-            mass = to_scipy(BilinearForm(self.gamma * lam * mu * W.dcrack).Assemble().mat)
-        self.nodes, self.stiffness = W, stiffness.Assemble().mat
-        self.E = vstack([self._coupling(problem, component) for component in components], format="csr")
-        self.D = block_diag([mass] * len(components), format="csr")
-        self.weights = np.tile(LinearForm(mu * W.dcrack).Assemble().vec.FV().NumPy(), len(components))
-
-    def InitialGap(self, problem):
-        """∫ψ_i g_0."""
-        mu = problem.W.TestFunction()
-        return LinearForm(problem.gap * mu * problem.W.dcrack).Assemble().vec.FV().NumPy()
-
-    def Function(self, problem, values, name):
-        """The GridFunction of W for one component of L."""
-        function = GridFunction(problem.W, name)
-        function.vec.FV().NumPy()[:] = values
-        return function
-
-    @property
-    def C(self):
-        """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E."""
-        return self.E
-
-    def Distribute(self, L):
-        """The coefficients of C's rows in the forces on the displacements, Cᵀ Distribute(L)."""
-        return L
-
-    def Forces(self, L):
-        """What L exerts on the displacements, (B - C_γ)ᵀ L."""
-        return self.C.T @ self.Distribute(L)
-
-    def _coupling(self, problem, component):
-        """The rows of B - C_γ of one component."""
-        V, W, body = problem.V, problem.W, problem.body
-        u, mu = V.TrialFunction(), W.TestFunction()
-        coupling = BilinearForm(trialspace=V, testspace=W)
-        coupling += -mu * component.jump(u, body) * W.dcrack
-        if self.gamma is not None:
-            coupling += -self.gamma * mu * summed_traces(problem.stabilisation, u, problem.material, body, component) * W.dcrack
-        return to_scipy(coupling.Assemble().mat)
-
-    def Stiffness(self, U):
-        """(K - K_γ) U for an array U."""
-        self._x.FV().NumPy()[:] = U
-        self._y.data = self.stiffness * self._x
-        return self._y.FV().NumPy().copy()
-
-    def Moments(self, U, L):
-        """(B - C_γ) U + D_γ L of the second row of (38)."""
-        return self.E @ U + self.D @ L
-
-    def Residual(self, U, L):
-        """The second row of (38): (B - C_γ) U + D_γ L - G."""
-        return self.Moments(U, L) - self.G
-
-
-def stiffness_form(problem):
-    """a(u, v), not assembled."""
-    u, v = problem.V.TnT()
-    form = core.CrackBilinearForm(problem.V, symmetric=True)
-    form += InnerProduct(problem.material.Stress(Strain(u)), Strain(v)) * problem.body.dx
-    return form

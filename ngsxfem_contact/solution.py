@@ -8,7 +8,7 @@ from ngsolve import GridFunction, InnerProduct, Integrate
 from . import fracture
 from .arguments import check_item, check_whole
 from .nodal_newton import FREE
-from .operators import NormalGap, Slip, Strain, TangentialStress
+from .operators import TANGENTIAL, NormalGap, Slip, Strain
 from .spaces import crack_points
 
 
@@ -32,7 +32,7 @@ class CrackProfile:
 class State:
     """Of the nodes where signs are taken.
 
-    nodes: W, or what stands for it.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L.
+    nodes: W, or what stands for it.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
     residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
     """
 
@@ -70,12 +70,20 @@ class ContactSolution:
 
     @property
     def stress(self):
-        """σ(u), a 2 × 2 CoefficientFunction."""
-        return self.problem.material.Stress(Strain(self.u))
+        """σ(u) + σ⁰, a 2 × 2 CoefficientFunction: with initial stress, temperature, and the stresses that terms in Grad(v) give."""
+        return self.StressAt(None)
+
+    def StressAt(self, side):
+        """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point."""
+        stress, given = self.problem.material.Stress(Strain(self.u, side)), self.load.applied.stress
+        return stress if given is None else stress + given
 
     def Energy(self):
-        """½ a(u, u), the elastic energy for each unit of thickness: stress × length²."""
-        return 0.5 * Integrate(InnerProduct(self.stress, Strain(self.u)) * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
+        """½ a(u, u), the elastic energy for each unit of thickness: stress × length². Springs of problem.a and given stresses have no part in it."""
+        strain = Strain(self.u)
+        return 0.5 * Integrate(
+            InnerProduct(self.problem.material.Stress(strain), strain) * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh
+        )
 
     def ContactForce(self, crack=0):
         """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length. Raises ValueError for a crack that is not there."""
@@ -114,10 +122,18 @@ class ContactSolution:
         gap, slip, sigma_n = (f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier))
         if self.tangential_multiplier:
             return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.tangential_multiplier(points).ravel())
-        stress = self.problem.material.Stress(Strain(self.u, "larger"))
         # at a tip itself the terms of the stress cancel only in exact arithmetic
         inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
-        return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, TangentialStress(stress, body)(inside).ravel())
+        return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.Traction(TANGENTIAL, "larger")(inside).ravel())
+
+    def FaceTractions(self):
+        """What acts on the faces beside contact and friction: the FaceTractions that are given, and those of elastic joints."""
+        given, joint = self.load.applied.tractions, self.problem.a.joint
+        return given if joint is None else given + joint.Tractions(self.u)
+
+    def Traction(self, component, side):
+        """R_h(u) + r_0 of a side ("plus", "minus", "larger"): what the multiplier of a component (`operators.NORMAL`, `TANGENTIAL`) approximates."""
+        return self.problem.ComparedTraction().Of(self.u, component, side) + self.load.applied.Shift(component, side, self.body)
 
     def Transitions(self, crack=0):
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
@@ -159,8 +175,8 @@ class ContactSolution:
         return fracture.energy_release_rate(self, tip, radius)
 
     def PotentialEnergy(self):
-        """Π = ½ a(u, u) - L(u). Without friction G = -dΠ/da, a the length of the crack."""
-        return self.Energy() - float(self.load.F @ self.u.vec.FV().NumPy())
+        """Π = ½ a(u, u) - L(u), springs and given stresses included. Without friction G = -dΠ/da, a the length of the crack."""
+        return self.Energy() + 0.5 * self.problem.a.Of(self.u) - float(self.load.F @ self.u.vec.FV().NumPy())
 
     def Draw(self, **options):
         """Shows the deformed body with the crack open in a notebook.

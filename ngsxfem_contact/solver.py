@@ -7,8 +7,9 @@ from ngsolve import GridFunction
 
 from .active_set import coarse_start
 from .arguments import check_type, check_whole
-from .checks import check_coercive, check_data, check_multiplier, check_rigid_motions
+from .checks import check_coercive, check_gap, check_load, check_multiplier, check_rigid_motions
 from .cones import CONES
+from .contact_system import GivenTraction
 from .elimination import Elimination, ReducedLoad
 from .errors import NotConverged
 from .friction import transformation
@@ -35,22 +36,30 @@ def solve(problem, inverse=None, **options):
 
 @dataclass
 class Load:
-    """F and given displacements of one load case, eliminated: `load.reduced` is that of F - A U_D.  g: E A⁻¹(F - A U_D) + E U_D.
+    """F and given displacements of one load case, eliminated: `load.reduced` is that of F + F_γ - A U_D.  g: E A⁻¹(F + F_γ - A U_D) + E U_D.
 
-    The load cases of a problem can be added and multiplied by numbers.
+    given_traction: F_γ and G_γ, see `ContactSystem.Given`.    The load cases of a problem can be added and multiplied by numbers.
     """
 
     F: np.ndarray
     given: np.ndarray
+    given_traction: GivenTraction
     reduced: ReducedLoad
     g: np.ndarray
     applied: AppliedLoad
 
     def __add__(self, other):
-        return Load(self.F + other.F, self.given + other.given, self.reduced + other.reduced, self.g + other.g, self.applied + other.applied)
+        traction = GivenTraction(*(a + b for a, b in zip(self.given_traction, other.given_traction)))
+        return Load(self.F + other.F, self.given + other.given, traction, self.reduced + other.reduced, self.g + other.g, self.applied + other.applied)
 
     def __rmul__(self, factor):
-        return Load(factor * self.F, factor * self.given, factor * self.reduced, factor * self.g, factor * self.applied)
+        traction = GivenTraction(*(factor * part for part in self.given_traction))
+        return Load(factor * self.F, factor * self.given, traction, factor * self.reduced, factor * self.g, factor * self.applied)
+
+    @property
+    def forces(self):
+        """F + F_γ, the right-hand side of the first row of (38)."""
+        return self.F + self.given_traction.F
 
 
 class ReducedProblem:
@@ -67,7 +76,7 @@ class ReducedProblem:
             check_rigid_motions(problem)
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
-            check_data(system, problem)
+            check_gap(system)
         with stage(self.timings, "factor", f"eliminating {size}"):
             free = without_negligible(system.stiffness, problem.V, problem.free)
             self.elimination = Elimination(system.stiffness, problem.V, free, system.C, inverse)
@@ -76,16 +85,23 @@ class ReducedProblem:
             m = system.E.shape[0]
             self.S = self.elimination.S[:m] @ system.Distribute(np.eye(m)) + system.D.toarray()
         with stage(self.timings, "load", f"eliminating {size} from the load"):
+            self.initial = self._of(problem.initial, np.zeros(problem.V.ndof)) if problem.initial.given else None
             self.load = self.PresentLoad()
 
     def PresentLoad(self):
         """The Load of what the problem holds now."""
-        return self.Load(self.problem.Loads(), self.problem.given.vec.FV().NumPy().copy(), AppliedLoad.Of(self.problem.f))
+        return self._of(self.problem.f, self.problem.given.vec.FV().NumPy().copy())
+
+    def _of(self, form, given):
+        return self.Load(form.Assemble().vec.FV().NumPy().copy(), given, AppliedLoad.Of(form))
 
     def Load(self, F, given, applied):
         """The Load of a vector F and given displacements, arrays of length ndof, F the vector of `applied`: one back-substitution."""
-        reduced = self.elimination.Reduce(F - self.system.Stiffness(given) if given.any() else F)
-        return Load(F, given, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied)
+        check_load(F, given)
+        traction = self.system.Given(applied)
+        forces = F + traction.F
+        reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
+        return Load(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied)
 
     def Displacement(self, L, load=None):
         """U for a multiplier L: one back-substitution."""
@@ -108,12 +124,13 @@ class ReducedProblem:
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         """
         problem, load, cone = self.problem, load or self.load, problem_cone(self.problem, cone)
+        load = load if self.initial is None else self.initial + load
         check_whole(max_iterations, "max_iterations", 1)
         check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
         report = Report((int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings))
         with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
             T, Q = self._signs(cone)
-            G = self._gaps(previous)
+            G = self._gaps(previous) + load.given_traction.G
             q = T.T @ (load.g - G)
             start = self._first_set(Q, q, start, previous, report)
             p = problem.friction.Solve(Q, q, self.system.nodes, cone, report, r, start, max_iterations)
@@ -121,7 +138,7 @@ class ReducedProblem:
         L = T @ p
         moments = load.g + self.S @ L
         recover = lambda: self._recover(report, load, L, G, p, T, cone)
-        state = State(self.system.nodes, L, moments, moments - G)
+        state = State(self.system.nodes, L, moments - load.given_traction.G, moments - G)
         return ContactSolution(problem, recover, multipliers(problem, self.system, L), report, self.system.gamma, state, load)
 
     def _gaps(self, previous):
@@ -174,10 +191,10 @@ class ReducedProblem:
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
         system, EL = self.system, self.system.Forces(L)
-        residual = self.elimination.Residual(load.F + EL, U)
-        forces = max(np.abs(load.F).max(), np.abs(EL).max(), self.elimination.ForceScale(U), TINY)
+        residual = self.elimination.Residual(load.forces + EL, U)
+        forces = max(np.abs(load.forces).max(), np.abs(EL).max(), self.elimination.ForceScale(U), TINY)
         report.residual = float(np.abs(residual).max() / forces)
-        report.complementarity = complementarity(system, self.problem, U, L, G, p, T, cone)
+        report.complementarity = complementarity(system, self.problem, U, L, G, load.g - G, p, T, cone)
         report.converged = report.residual < tolerance and report.complementarity < tolerance
         if not report.converged:
             raise NotConverged(
@@ -214,13 +231,16 @@ def active_on(W, solution):
     return np.concatenate([state[n] for state, n in zip(states, nearest)])
 
 
-def complementarity(system, problem, U, L, G, p, T, cone):
-    """The largest violation of the nodal conditions: pressures relative to the largest, gaps and slips to the largest displacement."""
+def complementarity(system, problem, U, L, G, free_gap, p, T, cone):
+    """The largest violation of the nodal conditions: pressures relative to the largest, gaps and slips to the largest displacement.
+
+    free_gap: the second row of (38) without multipliers; its jumps count as displacements, which may all be zero where contact carries the load.
+    """
     w = T.T @ (system.Moments(U, L) - G)
-    displacement = np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max()
+    lengths = np.maximum(np.abs(T.T) @ np.abs(system.weights), TINY)
+    displacement = max(np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max(), (np.abs(T.T @ free_gap) / lengths).max())
     scale = max(np.abs(p).max(), TINY)
-    w = w / np.maximum(np.abs(T.T) @ np.abs(system.weights) * displacement, TINY)
-    return problem.friction.Violation(p / scale, w, scale, system.nodes, cone)
+    return problem.friction.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, cone)
 
 
 def multipliers(problem, system, L):

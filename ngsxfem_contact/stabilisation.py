@@ -13,7 +13,8 @@ from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFuncti
 
 from . import _ngsxfem_contact as core
 from .arguments import check_number, check_positive
-from .operators import NORMAL, NormalStress, Strain
+from .face_traction import ComparedTraction
+from .operators import NORMAL, Strain
 
 
 @dataclass(frozen=True)
@@ -132,23 +133,9 @@ def tip_weight(V):
     return weight
 
 
-def normal_stress(u, material, body, side="larger"):
-    """σ_n of one side's polynomial; of the larger part: R_h(u)."""
-    return NormalStress(material.Stress(Strain(u, side)), body)
-
-
-def squared_traces(stabilisation, u, v, material, body, components=(NORMAL,)):
-    """The integrand of K_γ without γ: R_h(u) R_h(v), or its counterpart, summed over the components."""
-    return sum(
-        w * component.traction(material.Stress(Strain(u, side)), body) * component.traction(material.Stress(Strain(v, side)), body)
-        for side, w in stabilisation.sides.items()
-        for component in components
-    )
-
-
-def summed_traces(stabilisation, u, material, body, component=NORMAL):
-    """The factor of γμ in C_γ: R_h(u), or its counterpart, of one component."""
-    return sum(w * component.traction(material.Stress(Strain(u, side)), body) for side, w in stabilisation.sides.items())
+def softened(gamma, joint, theta=0.5):
+    """1/(1/γ + k/θ) beside a joint of stiffness k: R_h holds -k g there, and γ R_h² ≤ θ (σ_n² γ/θ + k g²) by Cauchy and Schwarz."""
+    return gamma if gamma is None or joint is None else gamma / (1 + gamma * joint.Stiffness() / theta)
 
 
 def trace_constants(V, material, components=(NORMAL,)):
@@ -161,7 +148,7 @@ def trace_constants(V, material, components=(NORMAL,)):
     u, v = V.TnT()
     body = V.body
     stress_power = InnerProduct(material.Stress(Strain(u)), Strain(v))
-    traces = tip_weight(V) * squared_traces(BarbosaHughes, u, v, material, body, components)
+    traces = tip_weight(V) * ComparedTraction(body, material, BarbosaHughes.sides).Squared(u, v, components)
     sharing = Counter(location.element for location in crack_elements(body))
     constants = []
     for crack in range(len(body.cracks)):

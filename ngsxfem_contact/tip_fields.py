@@ -5,6 +5,7 @@ from math import pi
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
 
+from .segments import distance_to_segments
 from .split_mesh import mesh_arrays
 
 SIDE = {"plus": 1, "minus": -1}
@@ -68,13 +69,15 @@ class TipFrame:
         rows = [scale * (along[i] * a + across[i] * b) for i in range(2)]
         return CF(tuple(a[i] * rows[0][j] + b[i] * rows[1][j] for i in range(2) for j in range(2)), dims=(2, 2))
 
-    def Clearance(self, material=None):
+    def Clearance(self, material=None, load=None):
         """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
 
         material: with that of several regions also of the regions that are not of the tip's material.
+        load: an AppliedLoad; also of its point loads and of inner interfaces that it loads.
         """
         point, crack = np.array(self.tip.point), self.crack
         found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]
+        found += load.Obstacles(point) if load is not None else []
         if hasattr(material, "regions"):
             found.append((distance_to_others(self.body.mesh, point, material), "another material"))
         for number, other in enumerate(self.body.cracks):
@@ -103,12 +106,6 @@ def distance_to_others(mesh, point, material):
     vertices, triangles = mesh_arrays(mesh)
     corners = vertices[triangles[other[[el.index for el in mesh.Elements()]]]]
     return distance_to_segments(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), point) if len(corners) else np.inf
-
-
-def distance_to_segments(a, b, point):
-    """Of a point from the nearest of the segments from a to b, (n, 2) each."""
-    t = np.clip(np.einsum("ij,ij->i", point - a, b - a) / np.einsum("ij,ij->i", b - a, b - a), 0, 1)
-    return float(np.hypot(*(a + t[:, None] * (b - a) - point).T).min())
 
 
 def _angular(kappa, c, s):

@@ -222,6 +222,12 @@ static void ExportCrackedMesh (py::module & m)
                            "The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.")
     .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); },
                            "The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack.")
+    .def_property_readonly("larger_side", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
+         { return make_shared<CrackLabel>(b, [] (const ElementCrack & here) { return double(int(here.larger)); }); },
+         "On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction.")
+    .def_property_readonly("crack_number", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
+         { return make_shared<CrackLabel>(b, [] (const ElementCrack & here) { return double(here.crack); }); },
+         "On the cracks the number of the crack: a CoefficientFunction.")
     .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); }, "The measure on the body without the cracks.")
     .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); }, "The measure on the boundary, divided at mouths.")
     .def_property_readonly("dlarger", &LargerSymbol, "The measure on the larger part of each element that a crack meets.")

@@ -1,5 +1,6 @@
 #include "convert.hpp"
 #include <pybind11/numpy.h>
+#include "form_terms.hpp"
 
 using namespace ngsxfem_contact;
 using namespace ngfem;
@@ -31,6 +32,28 @@ static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::
       dx.definedon = on.Mask();
     }
   return dx;
+}
+
+void ExportFormTerms (py::module & m)
+{
+  py::enum_<Domain>(m, "Domain", "What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.")
+    .value("Bulk", Domain::Bulk).value("Larger", Domain::Larger).value("Crack", Domain::Crack);
+  py::class_<FormTerm>(m, "FormTerm", "One integral of a form: its measure, and which functions of which spaces it holds.")
+    .def_property_readonly("form", [] (const FormTerm & term) { return make_shared<SumOfIntegrals>(term.integral); }, "The integral as a form.")
+    .def_property_readonly("integrand", [] (const FormTerm & term) { return term.integral->cf; }, "The function that is integrated.")
+    .def_readonly("body", &FormTerm::body, "The CrackedMesh of its measure; None for a measure of NGSolve.")
+    .def_readonly("domain", &FormTerm::domain, "The Domain of its measure.")
+    .def_property_readonly("on_boundary", [] (const FormTerm & term) { return term.vb != VOL; }, "Whether it is taken over the boundary, or an inner interface.")
+    .def_readonly("crack", &FormTerm::crack, "The number of the only crack that it is taken over, or None.")
+    .def_readonly("elements", &FormTerm::elements, "BitArray of the elements that it is restricted to, or None.")
+    .def_readonly("regions", &FormTerm::regions, "BitArray of the regions (materials or boundaries) that it is restricted to, or None.")
+    .def_readonly("trial", &FormTerm::trial, "The trial functions in it, one for each operator that is applied to them.")
+    .def_readonly("test", &FormTerm::test, "The test functions in it, one for each operator that is applied to them.")
+    .def_readonly("element_normal", &FormTerm::element_normal, "Whether it holds NGSolve's normal vector, which is zero inside of elements.");
+  m.def("TermsOf", &TermsOf, py::arg("form"), "The FormTerms of a form, one for each integral.");
+  m.def("OperatorName", &OperatorName, py::arg("proxy"), "The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ...");
+  m.def("PointOf", [] (const ngcomp::PointEvaluationFunctional & functional) { return std::pair(functional.point(0), functional.point(1)); },
+        py::arg("functional"), "The point (x, y) of an evaluation such as v(x, y) in a linear form.");
 }
 
 void ExportMeasures (py::module & m)

@@ -9,6 +9,7 @@
 void ExportGeometry (py::module & m);
 void ExportSpaces (py::module & m);
 void ExportMeasures (py::module & m);
+void ExportFormTerms (py::module & m);
 void ExportSolver (py::module & m);
 
 PYBIND11_MODULE(_ngsxfem_contact, m)
@@ -17,5 +18,6 @@ PYBIND11_MODULE(_ngsxfem_contact, m)
   ExportMeasures(m);  // first: the signatures of the others name its class
   ExportGeometry(m);
   ExportSpaces(m);
+  ExportFormTerms(m);
   ExportSolver(m);
 }

@@ -240,7 +240,7 @@ def test_solution_satisfies_38():
     solution = problem.Solve()
     K, E, D = stabilised_by_hand(problem, solution.gamma)
     U, L = array(solution.u.vec), multiplier(solution)
-    first, second = (K @ U - E.T @ L - problem.Assemble().F), E @ U + D @ L
+    first, second = (K @ U - E.T @ L - array(problem.f.Assemble().vec)), E @ U + D @ L
     assert np.abs(first[np.array(problem.free)]).max() < 1e-12 * np.abs(K @ U).max()
     assert L.max() <= 0 and second.max() < 1e-12 * np.abs(abs(E) @ np.abs(U)).max()
     assert abs(L @ second) < 1e-12 * np.abs(L) @ (abs(E) @ np.abs(U))

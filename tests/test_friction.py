@@ -235,7 +235,7 @@ def test_solution_satisfies_equilibrium_of_each_part():
     problem.Pin((0, 0.5), "xy", (0.1, -0.05))
     problem.Pin((1, 0.5), "y", -0.05)
     solution, system = problem.Solve(), problem.Assemble()
-    reactions = (system.Stiffness(array(solution.u.vec)) - system.E.T @ solution.Multipliers() - system.F)[problem.pinned]
+    reactions = (system.Stiffness(array(solution.u.vec)) - system.E.T @ solution.Multipliers() - array(problem.f.Assemble().vec))[problem.pinned]
     assert 0 < solution.TangentialForce() <= -0.5 * solution.ContactForce() + 1e-12
     assert reactions[0] + 0.03 == pytest.approx(solution.TangentialForce(), rel=1e-8)
     assert reactions[1] + reactions[2] - 0.2 == pytest.approx(solution.ContactForce(), rel=1e-8)
@@ -493,9 +493,9 @@ def test_energy_balance_of_a_step():
     """F·U = 2 ½a(u,u) + ∫λ_t g_t + ∫λ g_n, the last zero: exact without stabilisation."""
     problem = coarse(friction=Coulomb(0.3), stabilisation=None)
     solution = problem.Solve()
-    system, U = problem.Assemble(), array(solution.u.vec)
-    assert system.F @ U == pytest.approx(U @ system.Stiffness(U) + solution.FrictionWork(), rel=1e-12)
-    assert system.F @ U == pytest.approx(2 * solution.Energy() + solution.FrictionWork(), rel=1e-6)  # rules of different order
+    system, U, F = problem.Assemble(), array(solution.u.vec), array(problem.f.Assemble().vec)
+    assert F @ U == pytest.approx(U @ system.Stiffness(U) + solution.FrictionWork(), rel=1e-12)
+    assert F @ U == pytest.approx(2 * solution.Energy() + solution.FrictionWork(), rel=1e-6)  # rules of different order
     direct = Integrate(solution.tangential_multiplier * Slip(solution.u, solution.body) * solution.problem.W.dcrack, solution.body.mesh)
     assert solution.FrictionWork() == pytest.approx(direct, rel=1e-10)
 

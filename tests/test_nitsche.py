@@ -25,9 +25,9 @@ from ngsxfem_contact import (
     Tresca,
 )  # fmt: skip
 from ngsxfem_contact import closed_forms as cf
+from ngsxfem_contact.contact_system import stiffness_form
 from ngsxfem_contact.nitsche import CrackPoints, add_to, rule
 from ngsxfem_contact.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, paper_problem, unstructured_mesh
-from ngsxfem_contact.problem import stiffness_form
 from ngsxfem_contact.spaces import to_scipy
 
 SetNumThreads(1)  # these problems are too small to gain from threads
