@@ -4,7 +4,7 @@ import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
-from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace
+from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace, sqrt
 
 from .arguments import INFINITY, check_number, check_type
 
@@ -15,11 +15,24 @@ def check_engineering_constants(E, nu, limit, name):
     check_number(nu, f"{name}: nu", lambda nu: -1 < nu < limit, f"lie between -1 and {limit} (Poisson's ratio)")
 
 
+FORMS = ("plane strain", "plane stress")
+
+
 class Isotropic(ABC):
-    """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu."""
+    """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu.
+
+    nu: Poisson's ratio.    out_of_plane: σ_zz / (σ_xx + σ_yy), ν in plane strain, 0 in plane stress.
+    """
 
     lam: float | CoefficientFunction
     mu: float | CoefficientFunction
+    nu: float | CoefficientFunction
+    out_of_plane: float | CoefficientFunction
+
+    @property
+    def E(self):
+        """Young's modulus."""
+        return 2 * self.mu * (1 + self.nu)
 
     @property
     def kappa(self):
@@ -30,6 +43,16 @@ class Isotropic(ABC):
         """The 2 × 2 stress of a 2 × 2 strain, both CoefficientFunctions, in the unit of lam and mu: (1) of [AHLMR12]."""
         return self.lam * Trace(strain) * Id(2) + 2 * self.mu * strain
 
+    def Strain(self, stress):
+        """The 2 × 2 strain of a 2 × 2 stress, the inverse of Stress."""
+        return (stress - self.lam / (2 * (self.lam + self.mu)) * Trace(stress) * Id(2)) / (2 * self.mu)
+
+    def VonMises(self, stress):
+        """The von Mises stress of a 2 × 2 stress, with σ_zz = 0 in plane stress and ν (σ_xx + σ_yy) in plane strain."""
+        xx, yy, xy = stress[0, 0], stress[1, 1], stress[0, 1]
+        zz = self.out_of_plane * (xx + yy)
+        return sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * xy**2)
+
     @abstractmethod
     def At(self, mesh, point) -> "Elasticity":
         """The Elasticity at a point of the mesh."""
@@ -39,9 +62,10 @@ class Isotropic(ABC):
 class Elasticity(Isotropic):
     """σ = lam tr(ε) I + 2 mu ε, the stress in the unit of lam and mu.
 
-    lam, mu: Lamé's coefficients λ_L, μ_L of plane strain (for plane stress use PlaneStress).
+    lam, mu: the coefficients λ_L, μ_L of this law in the plane: Lamé's in plane strain; for plane stress use PlaneStress.
+    form: "plane strain" (ε_zz = 0, default) or "plane stress" (σ_zz = 0): what E, ν and σ_zz follow from.
     Several materials in one body: Elasticity.ByRegion(mesh, {"steel": Elasticity(...), "rubber": Elasticity(...)}).
-    Raises TypeError for what is no number, ValueError unless mu > 0 and lam + mu > 0: the energy would not be positive.
+    Raises TypeError for what is no number, ValueError for another form and unless mu > 0 and lam + mu > 0: the energy would not be positive.
 
     >>> steel = Elasticity.PlaneStrain(E=210e3, nu=0.3)  # MPa
     >>> round(steel.lam), round(steel.mu), round(steel.kappa, 2)
@@ -50,6 +74,7 @@ class Elasticity(Isotropic):
 
     lam: float
     mu: float
+    form: str = "plane strain"
 
     def __post_init__(self):
         check_number(self.lam, "Elasticity: lam")
@@ -58,6 +83,18 @@ class Elasticity(Isotropic):
             raise ValueError(
                 f"Elasticity(lam={self.lam}, mu={self.mu}): the energy is positive only for mu > 0 and lam + mu > 0; check the sign and the Poisson ratio"
             )
+        if self.form not in FORMS:
+            raise ValueError(f"Elasticity: form={self.form!r} is not one of {list(FORMS)}")
+
+    @property
+    def nu(self):
+        """Poisson's ratio."""
+        return self.lam / (2 * (self.lam + self.mu)) if self.form == "plane strain" else self.lam / (self.lam + 2 * self.mu)
+
+    @property
+    def out_of_plane(self):
+        """σ_zz / (σ_xx + σ_yy)."""
+        return self.nu if self.form == "plane strain" else 0.0
 
     @staticmethod
     def PlaneStrain(E, nu):
@@ -75,7 +112,7 @@ class Elasticity(Isotropic):
         E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1.    Raises ValueError outside of these.
         """
         check_engineering_constants(E, nu, 1, "Elasticity.PlaneStress")
-        return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)))
+        return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)), "plane stress")
 
     @staticmethod
     def ByRegion(mesh, materials):
@@ -92,7 +129,7 @@ class Elasticity(Isotropic):
 
 
 class RegionElasticity(Isotropic):
-    """Different Lamé coefficients in the regions (materials) of a mesh; lam and mu are CoefficientFunctions.
+    """Different materials in the regions of a mesh; lam, mu, nu and out_of_plane are CoefficientFunctions.
 
     materials: {name of a region, or a regular expression: Elasticity}.
     Raises ValueError unless each region of the mesh is matched by exactly one name, and each name matches a region.
@@ -119,8 +156,8 @@ class RegionElasticity(Isotropic):
             raise ValueError(f"Elasticity.ByRegion: {sorted(unused)} match no region; the mesh has {sorted(set(names))}")
         self.regions = [materials[matches[region][0]] for region in names]
         by_name = dict(zip(names, self.regions))
-        self.lam = mesh.MaterialCF({name: material.lam for name, material in by_name.items()})
-        self.mu = mesh.MaterialCF({name: material.mu for name, material in by_name.items()})
+        piecewise = lambda field: mesh.MaterialCF({name: getattr(material, field) for name, material in by_name.items()})
+        self.lam, self.mu, self.nu, self.out_of_plane = map(piecewise, ("lam", "mu", "nu", "out_of_plane"))
 
     def At(self, mesh, point):
         """The Elasticity of the region that contains a point; on an interface that of either side."""

@@ -46,8 +46,7 @@ def _root(a):
 
 def _uniform(material, xx, yy, xy):
     """The linear displacement of a uniform stress."""
-    mean = material.lam / (2 * (material.lam + material.mu)) * (xx + yy)
-    return CF(((xx - mean) * x + xy * y, (yy - mean) * y + xy * x)) / (2 * material.mu)
+    return material.Strain(CF((xx, xy, xy, yy), dims=(2, 2))) * CF((x, y))
 
 
 def inclined(stress, psi):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from ngsolve import CF, VTKOutput, sqrt
+from ngsolve import CF, VTKOutput
 
 from .arguments import check_number, check_positive
 from .files import write_whole
@@ -15,11 +15,8 @@ LIPS = {1: ("plus lip", "tab:red"), -1: ("minus lip", "tab:blue")}
 
 
 def von_mises(material, strain):
-    """The von Mises stress, in the unit of lam and mu, of a 2 × 2 strain in plane strain: σ_zz = ν (σ_xx + σ_yy)."""
-    stress, nu = material.Stress(strain), material.lam / (2 * (material.lam + material.mu))
-    xx, yy, xy = stress[0, 0], stress[1, 1], stress[0, 1]
-    zz = nu * (xx + yy)
-    return sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * xy**2)
+    """The von Mises stress of a 2 × 2 strain, in the unit of lam and mu."""
+    return material.VonMises(material.Stress(strain))
 
 
 def split_displacement(solution):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers import rectangle
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, IfPos, Mesh, SetNumThreads, specialcf, x, y
 
@@ -135,6 +136,45 @@ def test_regions_without_a_unique_material_are_refused(materials, message):
 def test_a_material_that_is_none_is_refused():
     with pytest.raises(TypeError, match="'plus' has the material 3, which is not an Elasticity"):
         Elasticity.ByRegion(two_blocks(0.4), {"plus": 3, "minus": STEEL})
+
+
+# The form of the law out of the plane
+
+
+def in_space(stress, sigma_zz):
+    """√(3/2) |dev σ| of the 3 × 3 stress: the von Mises stress without its formula in components."""
+    sigma = np.zeros((3, 3))
+    sigma[:2, :2], sigma[2, 2] = stress, sigma_zz
+    return np.sqrt(1.5) * np.linalg.norm(sigma - np.trace(sigma) / 3 * np.eye(3))
+
+
+PLATE, LONG = Elasticity.PlaneStress(E=70, nu=0.33), Elasticity.PlaneStrain(E=70, nu=0.33)
+STRESS = np.array([[3.0, 0.7], [0.7, -1.2]])
+
+
+@pytest.mark.parametrize(("material", "sigma_zz"), [(PLATE, 0), (LONG, 0.33 * 1.8)], ids=["plane stress", "plane strain"])
+def test_the_material_knows_its_form(material, sigma_zz):
+    mesh = rectangle(0.5)
+    at = mesh(0.3, 0.2)  # holds no reference to the mesh
+    stress = CF(tuple(STRESS.ravel()), dims=(2, 2))
+    assert (material.E, material.nu) == pytest.approx((70, 0.33), rel=1e-14)
+    assert material.VonMises(stress)(at) == pytest.approx(in_space(STRESS, sigma_zz), rel=1e-14)
+    in_plane = ((1 + 0.33) * STRESS - 0.33 * (np.trace(STRESS) + sigma_zz) * np.eye(2)) / 70  # Hooke's law in space
+    assert np.allclose(material.Strain(stress)(at), in_plane.ravel(), rtol=0, atol=1e-14)
+    assert np.allclose(material.Stress(material.Strain(stress))(at), STRESS.ravel(), rtol=0, atol=1e-13)
+
+
+def test_forms_by_region():
+    mesh = two_blocks(0.4)
+    mixed, stress = Elasticity.ByRegion(mesh, {"plus": PLATE, "minus": LONG}), CF(tuple(STRESS.ravel()), dims=(2, 2))
+    for material, at in ((PLATE, mesh(0.1, 0.2)), (LONG, mesh(0.1, -0.2))):
+        for of_mixed, right in ((mixed.VonMises(stress), material.VonMises(stress)), (mixed.Strain(stress), material.Strain(stress)), (mixed.E, CF(material.E))):
+            assert np.allclose(of_mixed(at), right(at), rtol=1e-14, atol=0)
+
+
+def test_another_form_is_refused():
+    with pytest.raises(ValueError, match=r"form='membrane' is not one of \['plane strain', 'plane stress'\]"):
+        Elasticity(1, 1, form="membrane")
 
 
 # Curved boundaries
