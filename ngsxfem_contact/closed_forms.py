@@ -142,7 +142,9 @@ def crack_on_axis(start, end):
 def energy_error(solution, exact, bonus_intorder=6):
     """(a(u - u_h, u - u_h))^{1/2}."""
     difference = solution.stress - exact.stress
-    return np.sqrt(Integrate(InnerProduct(difference, solution.problem.material.Strain(difference)) * solution.body.dx(bonus_intorder=bonus_intorder), solution.body.mesh))
+    return np.sqrt(
+        Integrate(InnerProduct(difference, solution.problem.material.Strain(difference)) * solution.body.dx(bonus_intorder=bonus_intorder), solution.body.mesh)
+    )
 
 
 def pressure_error(solution, exact, bonus_intorder=10):

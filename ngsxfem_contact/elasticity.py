@@ -21,13 +21,14 @@ FORMS = ("plane strain", "plane stress")
 class Isotropic(ABC):
     """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu.
 
-    nu: Poisson's ratio.    out_of_plane: σ_zz / (σ_xx + σ_yy), ν in plane strain, 0 in plane stress.
+    nu: Poisson's ratio.    alpha: coefficient of thermal expansion, in 1 / temperature.    confined: 1 in plane strain (ε_zz = 0), 0 in plane stress.
     """
 
     lam: float | CoefficientFunction
     mu: float | CoefficientFunction
     nu: float | CoefficientFunction
-    out_of_plane: float | CoefficientFunction
+    alpha: float | CoefficientFunction
+    confined: float | CoefficientFunction
 
     @property
     def E(self):
@@ -47,10 +48,14 @@ class Isotropic(ABC):
         """The 2 × 2 strain of a 2 × 2 stress, the inverse of Stress."""
         return (stress - self.lam / (2 * (self.lam + self.mu)) * Trace(stress) * Id(2)) / (2 * self.mu)
 
-    def VonMises(self, stress):
-        """The von Mises stress of a 2 × 2 stress, with σ_zz = 0 in plane stress and ν (σ_xx + σ_yy) in plane strain."""
+    def ThermalStress(self, temperature):
+        """The stress of a body that is heated by ΔT and held: -E α ΔT / (1 - 2ν) I in plane strain, -E α ΔT / (1 - ν) I in plane stress."""
+        return -2 * (self.lam + self.mu) * (1 + self.confined * self.nu) * self.alpha * temperature * Id(2)
+
+    def VonMises(self, stress, temperature=0):
+        """The von Mises stress of a 2 × 2 stress, with σ_zz = 0 in plane stress and ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
         xx, yy, xy = stress[0, 0], stress[1, 1], stress[0, 1]
-        zz = self.out_of_plane * (xx + yy)
+        zz = self.confined * (self.nu * (xx + yy) - self.E * self.alpha * temperature)
         return sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * xy**2)
 
     @abstractmethod
@@ -64,6 +69,7 @@ class Elasticity(Isotropic):
 
     lam, mu: the coefficients λ_L, μ_L of this law in the plane: Lamé's in plane strain; for plane stress use PlaneStress.
     form: "plane strain" (ε_zz = 0, default) or "plane stress" (σ_zz = 0): what E, ν and σ_zz follow from.
+    alpha: coefficient of thermal expansion, for ContactProblem(..., temperature=ΔT).
     Several materials in one body: Elasticity.ByRegion(mesh, {"steel": Elasticity(...), "rubber": Elasticity(...)}).
     Raises TypeError for what is no number, ValueError for another form and unless mu > 0 and lam + mu > 0: the energy would not be positive.
 
@@ -75,10 +81,11 @@ class Elasticity(Isotropic):
     lam: float
     mu: float
     form: str = "plane strain"
+    alpha: float = 0.0
 
     def __post_init__(self):
-        check_number(self.lam, "Elasticity: lam")
-        check_number(self.mu, "Elasticity: mu")
+        for name in ("lam", "mu", "alpha"):
+            check_number(getattr(self, name), f"Elasticity: {name}")
         if self.mu <= 0 or self.lam + self.mu <= 0:
             raise ValueError(
                 f"Elasticity(lam={self.lam}, mu={self.mu}): the energy is positive only for mu > 0 and lam + mu > 0; check the sign and the Poisson ratio"
@@ -92,27 +99,27 @@ class Elasticity(Isotropic):
         return self.lam / (2 * (self.lam + self.mu)) if self.form == "plane strain" else self.lam / (self.lam + 2 * self.mu)
 
     @property
-    def out_of_plane(self):
-        """σ_zz / (σ_xx + σ_yy)."""
-        return self.nu if self.form == "plane strain" else 0.0
+    def confined(self):
+        """1 in plane strain, 0 in plane stress."""
+        return float(self.form == "plane strain")
 
     @staticmethod
-    def PlaneStrain(E, nu):
+    def PlaneStrain(E, nu, alpha=0.0):
         """The material of a long body, ε_zz = 0: lam = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
 
-        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1/2.    Raises ValueError outside of these.
+        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1/2.    alpha: thermal expansion.    Raises ValueError outside of these.
         """
         check_engineering_constants(E, nu, 0.5, "Elasticity.PlaneStrain")
-        return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)))
+        return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)), alpha=alpha)
 
     @staticmethod
-    def PlaneStress(E, nu):
+    def PlaneStress(E, nu, alpha=0.0):
         """The material of a thin plate, σ_zz = 0: lam = E nu / (1 - nu²), mu = E / (2 (1 + nu)).
 
-        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1.    Raises ValueError outside of these.
+        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1.    alpha: thermal expansion.    Raises ValueError outside of these.
         """
         check_engineering_constants(E, nu, 1, "Elasticity.PlaneStress")
-        return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)), "plane stress")
+        return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)), "plane stress", alpha)
 
     @staticmethod
     def ByRegion(mesh, materials):
@@ -129,7 +136,7 @@ class Elasticity(Isotropic):
 
 
 class RegionElasticity(Isotropic):
-    """Different materials in the regions of a mesh; lam, mu, nu and out_of_plane are CoefficientFunctions.
+    """Different materials in the regions of a mesh; lam, mu, nu, alpha and confined are CoefficientFunctions.
 
     materials: {name of a region, or a regular expression: Elasticity}.
     Raises ValueError unless each region of the mesh is matched by exactly one name, and each name matches a region.
@@ -157,7 +164,7 @@ class RegionElasticity(Isotropic):
         self.regions = [materials[matches[region][0]] for region in names]
         by_name = dict(zip(names, self.regions))
         piecewise = lambda field: mesh.MaterialCF({name: getattr(material, field) for name, material in by_name.items()})
-        self.lam, self.mu, self.nu, self.out_of_plane = map(piecewise, ("lam", "mu", "nu", "out_of_plane"))
+        self.lam, self.mu, self.nu, self.alpha, self.confined = map(piecewise, ("lam", "mu", "nu", "alpha", "confined"))
 
     def At(self, mesh, point):
         """The Elasticity of the region that contains a point; on an interface that of either side."""

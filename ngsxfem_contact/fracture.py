@@ -20,7 +20,7 @@ from ngsolve import CF, L2, BitArray, CoefficientFunction, GridFunction, IfPos, 
 from . import _ngsxfem_contact as core
 from .arguments import check_item, check_number, check_whole
 from .load import AppliedLoad
-from .operators import NORMAL, Gradient, NormalGap, Slip
+from .operators import NORMAL, Gradient, NormalGap, NormalStress, Slip
 from .spaces import crack_points
 from .split_mesh import mesh_arrays
 from .tip_fields import SIDE, TipFrame
@@ -96,6 +96,22 @@ class TipField:
         return lambda side: CF(0.0) if self.given is None else InnerProduct(self.given.stress, other.gradient[side])
 
 
+@dataclass(eq=False)
+class TStress:
+    """The T-stress, the part of the stress along the crack that is constant at a tip.  float(t) is T.
+
+    error: the largest change of T over by_radius, (n,), the values at `radii`.
+    """
+
+    T: float
+    error: float
+    radii: tuple
+    by_radius: np.ndarray = field(repr=False)
+
+    def __float__(self):
+        return self.T
+
+
 def material_at(solution, tip):
     """The Elasticity of the region that holds a tip."""
     return solution.problem.material.At(solution.body.mesh, solution.body.tips[tip].point)
@@ -103,12 +119,15 @@ def material_at(solution, tip):
 
 def mode_fields(frame, material):
     """The auxiliary fields of unit K_I and K_II: no load, and no traction on lips that are straight."""
-    sides = (None, *SIDE)
-    gradients = {side: frame.ModeGradients(material, side) for side in sides}
+    gradients = {side: frame.ModeGradients(material, side) for side in (None, *SIDE)}
     for mode in range(2):
-        gradient = {side: gradients[side][mode] for side in sides}
-        stress = {side: material.Stress(_symmetric(gradient[side])) for side in sides}
-        yield TipField(gradient, stress, {side: stress[side] * frame.body.normal for side in SIDE})
+        yield auxiliary_field(frame, material, {side: gradients[side][mode] for side in gradients})
+
+
+def auxiliary_field(frame, material, gradient):
+    """A TipField without load."""
+    stress = {side: material.Stress(_symmetric(gradient[side])) for side in gradient}
+    return TipField(gradient, stress, {side: stress[side] * frame.body.normal for side in SIDE})
 
 
 def solution_field(solution, frame):
@@ -340,6 +359,33 @@ def stress_intensity(solution, tip, method, radius):
             raise ValueError(f"StressIntensity: radius={radius} goes with method='interaction' only")
         method = InteractionIntegral(radius)
     return method.Evaluate(solution, tip)
+
+
+def t_stress(solution, tip, radius):
+    """What ContactSolution.TStress documents.
+
+    For a constant stress σ = C:ε + σ⁰ at the tip, I with the field of a unit force is ε_ee - σ_nn (κ-1)/(4μ): the second part, since that field
+    turns the lips against each other. So E' I = σ_ee - σ_nn - (σ⁰_ee - ν' σ⁰_nn), E' and ν' those of plane strain or stress.
+    """
+    check_item(tip, solution.body.tips, "tip", "body.tips")
+    frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
+    u, radii = solution_field(solution, frame), disks(frame, solution, radius)
+    force = auxiliary_field(frame, material, dict.fromkeys((None, *SIDE), frame.PointForceGradient(material)))
+    strain = np.array([TipIntegral(solution.problem.W, frame, r)(u, force) for r in radii])
+    T = 8 * material.mu / (material.kappa + 1) * strain + constant_at_tip(solution, frame, material)
+    return TStress(float(T[0]), float(np.ptp(T)), radii, T)
+
+
+def constant_at_tip(solution, frame, material):
+    """σ_nn + σ⁰_ee - ν' σ⁰_nn in the mean over the last element before a tip: what the lips carry, and the given stress."""
+    s = np.clip(np.abs(frame.tip.s - frame.h * np.linspace(0.05, 1, 20)), 0, frame.crack.length)
+    points = crack_points(solution.body, frame.tip.crack, s)
+    given, normal, tractions = solution.load.applied.stress, solution.body.normal, solution.FaceTractions()
+    constant = solution.multiplier - 0.5 * InnerProduct(tractions.plus - tractions.minus, normal)
+    if given is not None:
+        ratio = (3 - material.kappa) / (1 + material.kappa)
+        constant = constant + InnerProduct(given * frame.ahead, frame.ahead) - ratio * NormalStress(given, solution.body)
+    return float(np.mean(constant(points)))
 
 
 def energy_release_rate(solution, tip, radius):

@@ -7,7 +7,7 @@ from ngsolve import CF, VTKOutput
 
 from .arguments import check_number, check_positive
 from .files import write_whole
-from .operators import Minus, Plus, Strain
+from .operators import Minus, Plus
 from .progress import doing
 from .split_mesh import SplitMesh, mesh_arrays
 
@@ -54,7 +54,7 @@ def shown_values(solution, split, field=None):
 
     Stresses are infinite at tips: the range leaves out the least and the largest 2 % of the values.
     """
-    field = von_mises(solution.problem.material, Strain(solution.u)) if field is None else CF(field)
+    field = solution.VonMises() if field is None else CF(field)
     values = split.EvaluateInside(field)
     return values, np.quantile(np.linalg.norm(values, axis=-1) if field.dim > 1 else values, (0.02, 0.98))
 
@@ -149,9 +149,9 @@ def save_vtk(solution, path):
         raise ValueError(f"SaveVTK: {str(path)!r} is not the name of a file")
     path = path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
     split, u = split_displacement(solution)
-    stress = solution.problem.material.Stress(Strain(solution.u))
+    stress = solution.stress
     names = ["von_mises", "stress_xx", "stress_yy", "stress_xy"]
-    scalars = CF((von_mises(solution.problem.material, Strain(solution.u)), stress[0, 0], stress[1, 1], stress[0, 1]))
+    scalars = CF((solution.VonMises(), stress[0, 0], stress[1, 1], stress[0, 1]))
     values, side = split.EvaluateInside(scalars), np.repeat(split.side, 3).reshape(-1, 3, 1)
     fields = [CF((split.GridFunction(u), 0)), *(split.GridFunction(values[..., [i]]) for i in range(4)), split.GridFunction(side)]
     write = lambda temporary: VTKOutput(split.mesh, fields, ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()

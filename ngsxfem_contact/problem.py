@@ -40,6 +40,8 @@ def given_stresses(material, initial_stress, temperature):
             raise ValueError("ContactProblem: initial_stress must be a 2 × 2 matrix, CF((xx, xy, xy, yy), dims=(2, 2))")
         yield initial_stress
     if temperature is not None:
+        if isinstance(material.alpha, Real) and material.alpha == 0:
+            raise ValueError("ContactProblem: temperature= needs a material that expands: Elasticity.PlaneStrain(E, nu, alpha=...)")
         yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
 
 
@@ -95,6 +97,7 @@ class ContactProblem:
         self.friction = friction if friction is not None else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
+        self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
         for stress in given_stresses(material, initial_stress, temperature):
             self.initial += -InnerProduct(stress, Gradient(V.TestFunction())) * V.body.dx
         self.given = GridFunction(V)

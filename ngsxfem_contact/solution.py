@@ -174,6 +174,18 @@ class ContactSolution:
         """
         return fracture.energy_release_rate(self, tip, radius)
 
+    def TStress(self, tip=0, radius=None):
+        """The T-stress at a tip, by an interaction integral with the field of a force in the tip: a TStress, float(...) is its value.
+
+        It is the constant part of σ_ee, e the direction ahead: with given stresses, pressure on the faces and contact. radius: as for StressIntensity.
+        Raises as StressIntensity.
+        """
+        return fracture.t_stress(self, tip, radius)
+
+    def VonMises(self):
+        """The von Mises stress, a CoefficientFunction: σ_zz = 0 in plane stress, ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
+        return self.problem.material.VonMises(self.stress, self.problem.temperature)
+
     def PotentialEnergy(self):
         """Π = ½ a(u, u) - L(u), springs and given stresses included. Without friction G = -dΠ/da, a the length of the crack."""
         return self.Energy() + 0.5 * self.problem.a.Of(self.u) - float(self.load.F @ self.u.vec.FV().NumPy())

@@ -65,9 +65,24 @@ class TipFrame:
         cos, sin = self.X / self.r, self.Y / self.r
         along, across = 0.5 * cos * g - sin * dg, 0.5 * sin * g + cos * dg
         scale = 1 / (2 * mu * sqrt(2 * pi * self.r))
+        return self._matrix([scale * (along[i] * self.ahead + across[i] * self.left) for i in range(2)])
+
+    def _matrix(self, rows):
+        """The gradient of a displacement whose components ahead and to the left have these gradients."""
         a, b = self.ahead, self.left
-        rows = [scale * (along[i] * a + across[i] * b) for i in range(2)]
         return CF(tuple(a[i] * rows[0][j] + b[i] * rows[1][j] for i in range(2) for j in range(2)), dims=(2, 2))
+
+    def PointForceGradient(self, material):
+        """∂_j u_i under a unit force ahead in the tip, the crack on θ = ±π: σ_rr = -cos θ / (π r) and no other stress.
+
+        It has one value on both lips.    Source: Cardew, Goldthorpe, Howard, Kfouri (1984).
+        """
+        cos, sin, r = self.X / self.r, self.Y / self.r, self.r
+        scale, kappa = 1 / (4 * pi * material.mu), material.kappa
+        along_r = (-0.5 * (kappa + 1) / r, 0 * r)
+        across = (-2 * sin * cos / r, (cos**2 - sin**2 - 0.5 * (kappa - 1)) / r)  # ∂_θ / r
+        rows = [scale * ((cos * dr - sin * dt) * self.ahead + (sin * dr + cos * dt) * self.left) for dr, dt in zip(along_r, across)]
+        return self._matrix(rows)
 
     def Clearance(self, material=None, load=None):
         """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.

@@ -168,7 +168,11 @@ def test_forms_by_region():
     mesh = two_blocks(0.4)
     mixed, stress = Elasticity.ByRegion(mesh, {"plus": PLATE, "minus": LONG}), CF(tuple(STRESS.ravel()), dims=(2, 2))
     for material, at in ((PLATE, mesh(0.1, 0.2)), (LONG, mesh(0.1, -0.2))):
-        for of_mixed, right in ((mixed.VonMises(stress), material.VonMises(stress)), (mixed.Strain(stress), material.Strain(stress)), (mixed.E, CF(material.E))):
+        for of_mixed, right in (
+            (mixed.VonMises(stress), material.VonMises(stress)),
+            (mixed.Strain(stress), material.Strain(stress)),
+            (mixed.E, CF(material.E)),
+        ):
             assert np.allclose(of_mixed(at), right(at), rtol=1e-14, atol=0)
 
 

@@ -36,7 +36,10 @@ def solution():
     load.Assemble()
     pulled = GridFunction(V)
     pulled.vec.data = stiffness.mat.Inverse(V.FreeDofs(), "umfpack") * load.vec
-    return SimpleNamespace(u=pulled, body=body, problem=SimpleNamespace(material=MATERIAL, V=V), Profile=profile)
+    stress = MATERIAL.Stress(Strain(pulled))
+    return SimpleNamespace(
+        u=pulled, body=body, problem=SimpleNamespace(material=MATERIAL, V=V), Profile=profile, stress=stress, VonMises=lambda: MATERIAL.VonMises(stress)
+    )
 
 
 def profile(crack=0, n=200):
