@@ -15,6 +15,7 @@ from .friction import transformation
 from .load import AppliedLoad
 from .negligible import without_negligible
 from .progress import doing
+from .reactions import support_forces
 from .report import Report, stage
 from .solution import ContactSolution, State
 
@@ -65,6 +66,8 @@ class ReducedProblem:
         size = f"{problem.V.ndof} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             check_rigid_motions(problem)
+            problem.supports.Check()
+            self.holders = problem.supports.Holders()
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
             check_data(system, problem)
@@ -169,7 +172,8 @@ class ReducedProblem:
             u, U = GridFunction(self.problem.V, "u"), self.Displacement(L, load)
             self.Accept(report, load, U, L, G, p, T, cone)
             u.vec.FV().NumPy()[:] = U
-        return u
+        exerted = self.system.Stiffness(U) - load.F - self.system.Forces(L)
+        return u, support_forces(self.problem.V, self.holders, exerted)
 
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
