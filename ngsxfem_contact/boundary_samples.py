@@ -11,7 +11,7 @@ class BoundarySamples:
     """The two ends of each boundary element and, beside them, a point on either side of each mouth.
 
     Arrays, one row for each point: element, xi (reference coordinate), region, vertex (-1 for points beside mouths), mouth (its number, or -1) and
-    side (±1 beside mouths).    mouths: (crack, arc length) of each.    length: of the boundary elements.
+    side (±1 beside mouths).    mouths: (number of the crack, arc length) of each.    length: of the boundary elements.
     """
 
     def __init__(self, body):
@@ -23,12 +23,13 @@ class BoundarySamples:
         self.length = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
         self.mouths = list(mouths_of(body))
         for number, (crack, s) in enumerate(self.mouths):
-            for element, at in elements_at(edges, crack.PointAt(s)):
+            point = body.cracks[crack].PointAt(s)
+            for element, at in elements_at(edges, point):
                 for end, xi in ((0, 1), (1, 0)):
                     if abs(at - xi) < AT:
                         rows[2 * element + end][3] = number
                     else:
-                        side = crack.SideOf(tuple(0.5 * (edges[element, end] + crack.PointAt(s))))
+                        side = body.cracks[crack].SideOf(tuple(0.5 * (edges[element, end] + point)))
                         rows.append([element, at + BESIDE * (xi - at), -1, number, int(side)])
         element, self.xi, vertex, mouth, side = np.array(rows).T
         self.element, self.vertex, self.mouth, self.side = (column.astype(int) for column in (element, vertex, mouth, side))
@@ -68,7 +69,7 @@ class BoundarySamples:
         """
         jumps = np.zeros(len(self.mouths))
         for number, (crack, s) in enumerate(self.mouths):
-            tangent = crack.TangentAt(s)
+            tangent = self.body.cracks[crack].TangentAt(s)
             for component, normal in enumerate((-tangent[1], tangent[0])):
                 if abs(normal) > 1e-8:
                     jumps[number] += normal * (self._given(sides, number, 1, component) - self._given(sides, number, -1, component))
@@ -82,12 +83,12 @@ class BoundarySamples:
 
 
 def mouths_of(body):
-    """(crack, arc length) of the ends of cracks on the boundary."""
+    """(number of the crack, arc length) of the ends of cracks on the boundary."""
     tips = {(tip.crack, round(tip.s / body.cracks[tip.crack].length)) for tip in body.tips}
     for number, crack in enumerate(body.cracks):
         for end in range(2):
             if (number, end) not in tips:
-                yield crack, end * crack.length
+                yield number, end * crack.length
 
 
 def elements_at(edges, point):

@@ -11,10 +11,13 @@ from .solver import ReducedProblem
 class LoadCase:
     """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case.
 
-    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite.
+    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite, and for given displacements that contradict
+    each other.
     """
 
     def __init__(self, problem):
+        problem.supports.Check()
+        self.jumps = problem.supports.NormalJumps()
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
         self.applied = AppliedLoad.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
@@ -47,7 +50,7 @@ class LoadSteps:
             check_type(case, LoadCase, "LoadSteps: a case", "a LoadCase(problem)")
         with doing("load steps"):
             self.reduced = ReducedProblem(problem, inverse)
-        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied) for case in cases]
+        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied, case.jumps) for case in cases]
         if not self.loads:
             raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")
         self.last = None

@@ -1,6 +1,6 @@
 """From a ContactProblem to a ContactSolution: elimination of U, the active set, and what was checked on the way."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from ngsolve import GridFunction
@@ -37,6 +37,7 @@ def solve(problem, inverse=None, **options):
 @dataclass
 class Load:
     """F and given displacements of one load case, eliminated: `load.reduced` is that of F - A U_D.  g: E A⁻¹(F - A U_D) + E U_D.
+    jumps: given at mouths, see Supports.NormalJumps.
 
     The load cases of a problem can be added and multiplied by numbers.
     """
@@ -46,12 +47,13 @@ class Load:
     reduced: ReducedLoad
     g: np.ndarray
     applied: AppliedLoad
+    jumps: np.ndarray
 
     def __add__(self, other):
-        return Load(self.F + other.F, self.given + other.given, self.reduced + other.reduced, self.g + other.g, self.applied + other.applied)
+        return Load(*(getattr(self, part.name) + getattr(other, part.name) for part in fields(self)))
 
     def __rmul__(self, factor):
-        return Load(factor * self.F, factor * self.given, factor * self.reduced, factor * self.g, factor * self.applied)
+        return Load(*(factor * getattr(self, part.name) for part in fields(self)))
 
 
 class ReducedProblem:
@@ -83,12 +85,13 @@ class ReducedProblem:
 
     def PresentLoad(self):
         """The Load of what the problem holds now."""
-        return self.Load(self.problem.Loads(), self.problem.given.vec.FV().NumPy().copy(), AppliedLoad.Of(self.problem.f))
+        problem = self.problem
+        return self.Load(problem.Loads(), problem.given.vec.FV().NumPy().copy(), AppliedLoad.Of(problem.f), problem.supports.NormalJumps())
 
-    def Load(self, F, given, applied):
+    def Load(self, F, given, applied, jumps):
         """The Load of a vector F and given displacements, arrays of length ndof, F the vector of `applied`: one back-substitution."""
         reduced = self.elimination.Reduce(F - self.system.Stiffness(given) if given.any() else F)
-        return Load(F, given, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied)
+        return Load(F, given, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied, jumps)
 
     def Displacement(self, L, load=None):
         """U for a multiplier L: one back-substitution."""
@@ -113,6 +116,7 @@ class ReducedProblem:
         problem, load, cone = self.problem, load or self.load, problem_cone(self.problem, cone)
         check_whole(max_iterations, "max_iterations", 1)
         check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
+        problem.supports.CheckOverlap(load.jumps, problem.gap, np.abs(load.given).max())
         report = Report((int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings))
         with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
             T, Q = self._signs(cone)

@@ -11,7 +11,7 @@ from .arguments import check_function, check_type
 from .boundary_samples import BoundarySamples
 from .mouths import boundary_mass, mouth_weight, short_traces
 from .reactions import Holder
-from .spaces import check_regions
+from .spaces import check_regions, crack_points
 
 COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
 TOLERANCE = 1e-5  # of the largest given displacement: what differs by less at one point is the same
@@ -176,6 +176,21 @@ class Supports:
     def NormalJumps(self):
         """The normal jump that is given at each mouth, see BoundarySamples."""
         return self.samples.NormalJumps(self.sides)
+
+    def CheckOverlap(self, jumps, gap, scale):
+        """Raises ValueError where given normal jumps push the faces of a mouth through each other.
+
+        jumps: as NormalJumps, or multiples.    gap: g_0, a CoefficientFunction.    scale: the largest given displacement.
+        """
+        body = self.V.body
+        for (crack, s), jump in zip(self.samples.mouths, jumps):
+            if jump < 0 and jump + gap(crack_points(body, crack, [s])).item() < -TOLERANCE * scale:
+                raise ValueError(
+                    "the given displacements push the faces of crack {} through each other by {:g} at its mouth ({:g}, {:g}), ".format(
+                        crack, -jump, *body.cracks[crack].PointAt(s)
+                    )
+                    + "which no displacement fulfils: give a jump that is not negative there, an initial gap, or leave this part of the boundary free"
+                )
 
 
 def largest(side):
