@@ -37,6 +37,9 @@ namespace ngsxfem_contact
     auto support = ElementsOf(node);
     if (HoldsTip(node, support, crack) || !IsCrossed(node, support, crack)) return;
     auto sides = SupportSides(node, support, crack);
+    if (sides.size() < support.Size())
+      throw Exception("CrackFESpace: the crack passes through the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
+                      + ", where parts of the body hang together by this point alone; lead it beside the vertex");
     auto [plus, minus] = SupportAreas(sides, crack);
     if (std::min(plus, minus) < smallest_part*(plus+minus)) return;
     for (auto dof : dofs)

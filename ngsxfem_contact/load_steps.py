@@ -17,7 +17,7 @@ class LoadCase:
 
     def __init__(self, problem):
         problem.supports.Check()
-        self.jumps = problem.supports.NormalJumps()
+        self.jumps, self.held = problem.supports.NormalJumps(), frozenset(problem.supports.sides)
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
         self.applied = AppliedLoad.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
@@ -48,6 +48,8 @@ class LoadSteps:
     def __init__(self, problem, cases=None, inverse=None):
         for case in cases or ():
             check_type(case, LoadCase, "LoadSteps: a case", "a LoadCase(problem)")
+            if case.held != frozenset(problem.supports.sides):
+                raise ValueError("LoadSteps: SetDirichlet has freed or fixed components since a load case was made; all cases need the same ones")
         with doing("load steps"):
             self.reduced = ReducedProblem(problem, inverse)
         self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied, case.jumps) for case in cases]
