@@ -18,7 +18,7 @@ class BoundarySamples:
         self.body = body
         elements = list(body.mesh.Elements(BND))
         corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
-        edges = np.array([vertex.point for vertex in body.mesh.vertices])[corners]
+        edges = body.mesh.ngmesh.Coordinates()[corners, :2]
         rows = [[number, xi, vertex, -1, 0] for number, ends in enumerate(corners) for vertex, xi in zip(ends, (1, 0))]
         self.length = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
         self.mouths = list(mouths_of(body))

@@ -1,9 +1,10 @@
 """The forces of the supports: the residual of the first row of (38), tested with rigid motions."""
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 
 import numpy as np
-from ngsolve import GridFunction, x, y
+from ngsolve import BND, ElementId, GridFunction, x, y
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,8 @@ class Holder:
     point: tuple | None = None
 
     def __add__(self, other):
-        return Holder(self.name, np.concatenate([self.dofs, other.dofs]), np.concatenate([self.shares, other.shares]), self.point)
+        dofs, position = np.unique(np.concatenate([self.dofs, other.dofs]), return_inverse=True)
+        return Holder(self.name, dofs, np.bincount(position, np.concatenate([self.shares, other.shares]), len(dofs)), self.point)
 
 
 @dataclass(frozen=True)
@@ -63,23 +65,84 @@ class SupportForces(list):
         return "\n".join([f"{'support':{width}}  {'F_x':>14} {'F_y':>14} {'moment':>14}", *lines])
 
 
-def support_forces(V, holders, exerted):
-    """The SupportForces of Holders; exerted: what they exert on each unknown, that is (K - K_γ) U - (B - C_γ)ᵀ L - F.
+@dataclass(frozen=True)
+class CornerEdge:
+    """An edge of a named boundary at a vertex where it meets another one.
 
-    A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i and Σ y_i φ_i, and neither has a jump: their products
-    with the residual are forces and moment, and only φ_i count.
+    normal: of the body, outward, as long as the edge.    element: the triangle behind it.    xi, eta: reference coordinates of the point at a third of the edge.
     """
-    n, coordinates = V.scalar_space.ndof, interpolated_coordinates(V)
-    rows = SupportForces()
-    for holder in holders:
-        force, moment = np.zeros(2), 0.0
-        for k, sign in ((0, -1), (1, 1)):
-            mine = (holder.dofs >= k * n) & (holder.dofs < (k + 1) * n)
-            functions, forces = holder.dofs[mine] - k * n, holder.shares[mine] * exerted[holder.dofs[mine]]
-            force[k] = forces[functions < V.mesh.nv].sum()
-            moment += sign * float(coordinates[1 - k, functions] @ forces)
-        rows.append(SupportForce(holder.name, force, moment, holder.point))
-    return rows
+
+    name: str
+    vertex: int
+    normal: np.ndarray
+    element: int
+    xi: float
+    eta: float
+
+
+@dataclass(frozen=True)
+class SupportResidual:
+    """What supports exert on a solution of (38).
+
+    holders, edges: what held it, and CornerEdges.    exerted: on each unknown, (K - K_γ) U - (B - C_γ)ᵀ L - F.
+    """
+
+    holders: list
+    edges: list
+    exerted: np.ndarray
+
+    def Forces(self, V, stress):
+        """The SupportForces; stress: σ(u), which says how the force on a corner is divided.
+
+        A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i and Σ y_i φ_i, and neither has a jump: their products
+        with the residual are forces and moment, and only φ_i count.
+        """
+        n, coordinates = V.scalar_space.ndof, interpolated_coordinates(V)
+        rows = SupportForces()
+        for holder, forces in zip(self.holders, self._divided(V, stress)):
+            force, moment = np.zeros(2), 0.0
+            for k, sign in ((0, -1), (1, 1)):
+                mine = (holder.dofs >= k * n) & (holder.dofs < (k + 1) * n)
+                functions = holder.dofs[mine] - k * n
+                force[k] = forces[mine][functions < V.mesh.nv].sum()
+                moment += sign * float(coordinates[1 - k, functions] @ forces[mine])
+            rows.append(SupportForce(holder.name, force, moment, holder.point))
+        return rows
+
+    def _divided(self, V, stress):
+        """What each holder exerts on each of its unknowns: ∫ φ_i σn where holders meet, and its share of what is left."""
+        tractions, left = self._tractions(V, stress), self.exerted.copy()
+        known = [np.array([tractions.get((holder.name, dof), 0) for dof in holder.dofs]) for holder in self.holders]
+        for holder, part in zip(self.holders, known):
+            left[holder.dofs] -= part
+        return [part + holder.shares * left[holder.dofs] for holder, part in zip(self.holders, known)]
+
+    def _tractions(self, V, stress):
+        """(name, unknown) → ∫ φ_i σn over the corner edges, exact for linear σ."""
+        if not self.edges:
+            return {}
+        points = V.mesh(np.zeros(len(self.edges)), np.zeros(len(self.edges)))
+        points["nr"], points["x"], points["y"] = np.array([(edge.element, edge.xi, edge.eta) for edge in self.edges]).T
+        tractions = defaultdict(float)
+        for edge, sigma in zip(self.edges, stress(points).reshape(-1, 2, 2)):
+            for k in range(2):
+                tractions[edge.name, k * V.scalar_space.ndof + edge.vertex] += 0.5 * sigma[k] @ edge.normal
+        return tractions
+
+
+def corner_edge(mesh, name, boundary_element, vertex):
+    """The CornerEdge of a boundary element at one of its vertices; None inside a body, where two triangles meet it."""
+    ends = [v.nr for v in mesh[ElementId(BND, boundary_element)].vertices]
+    behind = mesh[mesh[ElementId(BND, boundary_element)].edges[0]].elements
+    if len(behind) != 1:
+        return None
+    corners = [v.nr for v in mesh[behind[0]].vertices]
+    points = {number: np.array(mesh.vertices[number].point) for number in corners}
+    along = points[ends[1]] - points[ends[0]]
+    normal = np.array([along[1], -along[0]])
+    inside = points[next(number for number in corners if number not in ends)] - points[ends[0]]
+    weights = [2 / 3 if number == vertex else 1 / 3 if number in ends else 0 for number in corners]
+    return CornerEdge(name, vertex, -normal if normal @ inside > 0 else normal, behind[0].nr, *weights[:2])
 
 
 def interpolated_coordinates(V):

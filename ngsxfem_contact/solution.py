@@ -45,7 +45,7 @@ class State:
 class ContactSolution:
     """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None.
 
-    u may be a function without arguments that computes u and the SupportForces: it is called when one of them is first used.
+    u may be a function without arguments that computes u and the SupportResidual: it is called when one of them is first used.
     tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
     load: the Load of this step: F, and the terms it comes from.
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
@@ -53,7 +53,7 @@ class ContactSolution:
 
     def __init__(self, problem, u, multipliers, report, gamma, state, load=None):
         self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
-        self._reactions = None
+        self._supports = None
         self.load = load
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
@@ -61,7 +61,7 @@ class ContactSolution:
     def u(self):
         """The displacement."""
         if not isinstance(self._u, GridFunction):
-            self._u, self._reactions = self._u()
+            self._u, self._supports = self._u()
         return self._u
 
     @property
@@ -95,16 +95,16 @@ class ContactSolution:
 
         `total` of the table and the loads are in balance to round-off. Raises ValueError for a solution that was read from a file.
         """
-        self.u  # noqa: B018 computed and checked now
-        if self._reactions is None:
+        stress = self.stress
+        if self._supports is None:
             raise ValueError("Reactions: this solution was read from a file, which does not hold the reactions; solve the problem again")
-        return self._reactions
+        return self._supports.Forces(self.problem.V, stress)
 
     def Reaction(self, place):
         """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
 
         place: a boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided
-        between them as their lengths at it.    Raises ValueError for a region that the mesh does not have and a vertex that is not pinned.
+        between them as σn on either side says.    Raises ValueError for a region that the mesh does not have and a vertex that is not pinned.
         """
         rows = self.Reactions()
         if isinstance(place, str):

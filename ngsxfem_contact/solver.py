@@ -15,7 +15,7 @@ from .friction import transformation
 from .load import AppliedLoad
 from .negligible import without_negligible
 from .progress import doing
-from .reactions import support_forces
+from .reactions import SupportResidual
 from .report import Report, stage
 from .solution import ContactSolution, State
 
@@ -69,7 +69,7 @@ class ReducedProblem:
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             check_rigid_motions(problem)
             problem.supports.Check()
-            self.holders = problem.supports.Holders()
+            self.supports = problem.supports.Holders(), problem.supports.CornerEdges()
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
             check_data(system, problem)
@@ -177,7 +177,7 @@ class ReducedProblem:
             self.Accept(report, load, U, L, G, p, T, cone)
             u.vec.FV().NumPy()[:] = U
         exerted = self.system.Stiffness(U) - load.F - self.system.Forces(L)
-        return u, support_forces(self.problem.V, self.holders, exerted)
+        return u, SupportResidual(*self.supports, exerted)
 
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""

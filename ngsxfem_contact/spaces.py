@@ -92,8 +92,8 @@ class CrackFESpace(core.CrackFESpace):
             raise ValueError(f"CrackFESpace: bubble=True goes with order=1 (P1+), not with order={order}")
         for name, pattern in (("dirichlet", dirichlet), ("dirichletx", dirichletx), ("dirichlety", dirichlety)):
             if pattern:
-                check_regions(body.mesh, pattern, f"CrackFESpace: {name}")
-                flags[name] = pattern if isinstance(pattern, str) else "|".join(pattern)
+                flags[name] = joined_names(pattern)
+                check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
         tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
         for enrichment in tips:
             if enrichment is not None and not hasattr(enrichment, "Spec"):
@@ -129,9 +129,14 @@ def check_flags(flags):
             raise TypeError(f"CrackFESpace: there is no argument {name!r}{f' (did you mean {meant[0]!r}?)' if meant else ''}; it takes body, {', '.join(allowed)}")
 
 
+def joined_names(pattern):
+    """One regular expression for a list of them; what is none is left to check_regions."""
+    return "|".join(pattern) if isinstance(pattern, (list, tuple)) and all(isinstance(name, str) for name in pattern) else pattern
+
+
 def check_regions(mesh, pattern, what):
-    """Raises ValueError if a pattern of boundary names matches nothing."""
-    check_type(pattern, str | list | tuple, what, "the name of a boundary, or a regular expression")
+    """Raises TypeError for what is no pattern of boundary names, ValueError if it matches nothing."""
+    check_type(pattern, str, what, "the name of a boundary, or a regular expression")
     if not mesh.Boundaries(pattern).Mask().NumSet():
         raise ValueError(f"{what}={pattern!r} matches no boundary; the mesh has {sorted(set(mesh.GetBoundaries()))}")
 

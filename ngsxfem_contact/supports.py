@@ -10,7 +10,7 @@ from scipy.sparse.linalg import splu
 from .arguments import check_function, check_type
 from .boundary_samples import BoundarySamples
 from .mouths import boundary_mass, mouth_weight, short_traces
-from .reactions import Holder
+from .reactions import Holder, corner_edge
 from .spaces import check_regions, crack_points
 
 COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
@@ -74,7 +74,7 @@ class Supports:
     def _vertex_at(self, point):
         if np.shape(point) != (2,) or not all(isinstance(coordinate, Real) for coordinate in point):
             raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
-        vertices = np.array([v.point for v in self.V.mesh.vertices])
+        vertices = self.V.mesh.ngmesh.Coordinates()[: self.V.mesh.nv, :2]
         distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
         nearest = int(np.argmin(distance))
         if not distance[nearest] <= 1e-8 * np.ptp(vertices, axis=0).max():
@@ -172,6 +172,13 @@ class Supports:
                 point = self.V.mesh[NodeId(VERTEX, vertex)].point
                 holders[name] = holders.get(name, Holder(name, point=point)) + Holder(name, np.array([dof]), np.ones(1))
         return list(holders.values())
+
+    def CornerEdges(self):
+        """The edges of boundaries beside the vertices at which they meet, as CornerEdges."""
+        mesh, samples = self.V.mesh, self.samples
+        rows = np.concatenate([np.zeros(0, dtype=int), *samples.Corners()])
+        edges = [corner_edge(mesh, mesh.GetBoundaries()[samples.region[row]], samples.element[row], samples.vertex[row]) for row in rows]
+        return [edge for edge in edges if edge is not None]
 
     def NormalJumps(self):
         """The normal jump that is given at each mouth, see BoundarySamples."""
