@@ -92,7 +92,8 @@ def mouths_of(body):
 
 
 def elements_at(edges, point):
-    """(number, reference coordinate) of the boundary edges (n, 2, 2) on which a point lies."""
+    """(number, reference coordinate) of the boundary edges (n, 2, 2) on which a point lies; beside a curved boundary that of the nearest chord."""
     to_first, to_second, length = (np.hypot(*vectors.T) for vectors in (edges[:, 0] - point, edges[:, 1] - point, edges[:, 1] - edges[:, 0]))
-    numbers = np.flatnonzero(to_first + to_second < (1 + 1e-10) * length)
-    return zip(numbers, to_second[numbers] / length[numbers])
+    detour = (to_first + to_second) / length - 1
+    numbers = np.flatnonzero(detour < max(1e-10, (1 + 1e-10) * detour.min()))
+    return zip(numbers, np.minimum(to_second[numbers] / length[numbers], 1))

@@ -33,7 +33,9 @@ def check_rigid_motions(problem):
     free = RigidMotions(problem.V).Free(~mask(problem.free))
     if free is None:
         return
-    name = "the body" if free.parts == 1 else f"one of the {free.parts} parts into which the cracks divide the body"
+    name = "the body"
+    if free.parts > 1:
+        name = f"one of the {free.parts} parts into which the cracks divide the body, " + "around ({:g}, {:g}),".format(*free.centre)
     if len(free.hinges):
         name = "the part of the body around ({:g}, {:g}), ".format(*free.centre) + "which hangs on others by {} {} alone,".format(
             "the vertex" if len(free.hinges) == 1 else "the vertices", ", ".join("({:g}, {:g})".format(*point) for point in free.hinges)

@@ -126,7 +126,9 @@ def check_flags(flags):
         if name not in FLAGS and name not in NO_FLAGS:
             allowed = ["order", "tip", "bubble", "dirichlet", "dirichletx", "dirichlety", *FLAGS]
             meant = get_close_matches(name, allowed, 1)
-            raise TypeError(f"CrackFESpace: there is no argument {name!r}{f' (did you mean {meant[0]!r}?)' if meant else ''}; it takes body, {', '.join(allowed)}")
+            raise TypeError(
+                f"CrackFESpace: there is no argument {name!r}{f' (did you mean {meant[0]!r}?)' if meant else ''}; it takes body, {', '.join(allowed)}"
+            )
 
 
 def joined_names(pattern):

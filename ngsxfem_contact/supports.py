@@ -137,7 +137,9 @@ class Supports:
         names = [self.V.mesh.GetBoundaries()[self.samples.region[row]] for row in rows]
         values = [side.samples[row] for row, side in zip(rows, sides)]
         if names[0] != names[1] and differ(*values, *(largest(side) for side in sides)):
-            origin = [f"{value:g} on {name!r}{'' if side.explicit else ' (zero where SetDirichlet gives nothing)'}" for value, name, side in zip(values, names, sides)]
+            origin = [
+                f"{value:g} on {name!r}{'' if side.explicit else ' (zero where SetDirichlet gives nothing)'}" for value, name, side in zip(values, names, sides)
+            ]
             raise ValueError(
                 f"the given displacements contradict each other at {place(self.V, self.samples.vertex[rows[0]])}: u_{'xy'[k]} = {' and '.join(origin)}; "
                 "give both the same value there, or leave this component free on one of them"

@@ -56,7 +56,9 @@ def check_balance(solution, factor=1.0):
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: ", ".join(type(v).__name__ for v in m.values()))
-@pytest.mark.parametrize(("order", "held"), [(1, dict(dirichlet="left|bottom")), (2, dict(dirichlet="left")), (3, dict(dirichletx="left|right", dirichlety="bottom"))])
+@pytest.mark.parametrize(
+    ("order", "held"), [(1, dict(dirichlet="left|bottom")), (2, dict(dirichlet="left")), (3, dict(dirichletx="left|right", dirichlety="bottom"))]
+)
 def test_reactions_and_loads_are_in_balance(order, held, method):
     """Also at a mouth on a held side, with common corners."""
     check_balance(loaded(order, held=held, **method).Solve())

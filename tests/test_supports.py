@@ -162,7 +162,13 @@ def symmetric_problem(mesh, cracks, order, multiplier, tip=TIP, friction=None, s
 
 @pytest.mark.parametrize("cracks", [ACROSS, BENT, AT_A_VERTEX, BESIDE], ids=["across", "bent", "at a vertex", "beside"])
 @pytest.mark.parametrize(
-    "method", [dict(order=1, multiplier=1), dict(order=2, multiplier=1), dict(order=2, multiplier=0, friction=Coulomb(0.3)), dict(order=1, multiplier=0, stabilisation=Nitsche())]
+    "method",
+    [
+        dict(order=1, multiplier=1),
+        dict(order=2, multiplier=1),
+        dict(order=2, multiplier=0, friction=Coulomb(0.3)),
+        dict(order=1, multiplier=0, stabilisation=Nitsche()),
+    ],
 )
 def test_a_half_model_is_the_full_one(cracks, method):
     """The plane of symmetry x = 0 is a roller, on which the crack has a mouth that is none of the whole body."""
