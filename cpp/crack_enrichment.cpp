@@ -37,6 +37,9 @@ namespace ngsxfem_contact
     auto support = ElementsOf(node);
     if (HoldsTip(node, support, crack) || !IsCrossed(node, support, crack)) return;
     auto sides = SupportSides(node, support, crack);
+    if (sides.size() < support.Size())
+      throw Exception("CrackFESpace: the crack passes through the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
+                      + ", where parts of the body hang together by this point alone; lead it beside the vertex");
     auto [plus, minus] = SupportAreas(sides, crack);
     if (std::min(plus, minus) < smallest_part*(plus+minus)) return;
     for (auto dof : dofs)
@@ -45,24 +48,44 @@ namespace ngsxfem_contact
     if (int side = SideOfFixedBoundary(node, supports.back())) supports.back().shift = side;
   }
 
-  /// The side of the longer part of the Dirichlet boundary at a node; 0 if there is none. With s_i on this side the function's
-  /// trace is on the other part only: else it would depend on φ_i there, and fixing both would fix what lies across the crack.
-  int CrackFESpace :: SideOfFixedBoundary (NodeId node, const Support & support) const
+  /// For each component the length of the boundary at a node on which it is held, on either side of the crack.
+  std::array<CrackFESpace::HeldLength,2> CrackFESpace :: HeldLengths (NodeId node, const Support & support) const
   {
-    if (!dirichlet_boundaries.Size() || node.GetType() == NT_CELL) return 0;
+    std::array<HeldLength,2> lengths;
+    if (node.GetType() == NT_CELL) return lengths;
     bool is_edge = node.GetType() == NT_EDGE;
-    double plus = 0, minus = 0;
-    auto add = [&] (Point a, Point b, int side) { (side > 0 ? plus : minus) += Norm(Point(b-a)); };
     for (auto element : ma->GetVertexSurfaceElements(is_edge ? ma->GetEdgePNums(node.GetNr())[0] : node.GetNr()))
       {
         auto el = ma->GetElement(ElementId(BND, element));
-        if (!dirichlet_boundaries[el.GetIndex()] || (is_edge && size_t(el.Edges()[0]) != node.GetNr())) continue;
+        if (is_edge && size_t(el.Edges()[0]) != node.GetNr()) continue;
+        auto add = [&] (Point a, Point b, int side)
+        {
+          for (int k : { 0, 1 })
+            if (held[k][el.GetIndex()]) (side > 0 ? lengths[k].plus : lengths[k].minus) += Norm(Point(b-a));
+        };
         if (auto cut = body->Location(support.crack).FindBoundaryEdge(element))
           for (Point end : { cut->a, cut->b })
             add(end, cut->crossing, int(body->GetCrack(support.crack).SideOf(Lerp(end, cut->crossing, 0.5))));
         else
           add(ma->GetPoint<2>(el.Vertices()[0]), ma->GetPoint<2>(el.Vertices()[1]), SideOfBoundaryElement(element, support));
       }
+    return lengths;
+  }
+
+  /// The side on which the boundary at a node is held; 0 if it is not. With s_i on this side the function's trace is on the other part only:
+  /// else it would depend on φ_i there, and fixing both would fix what lies across the crack. A component that is held on both sides may
+  /// have either; if both have, the longer part decides.
+  int CrackFESpace :: SideOfFixedBoundary (NodeId node, const Support & support) const
+  {
+    auto lengths = HeldLengths(node, support);
+    auto sign = [] (double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; };
+    auto only = [sign] (HeldLength l) { return l.plus > 0 && l.minus > 0 ? 0 : sign(l.plus - l.minus); };
+    int x = only(lengths[0]), y = only(lengths[1]);
+    if (x*y < 0)
+      throw Exception("CrackFESpace: the crack meets the boundary at the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
+                      + ", where u_x is held on one side of it only and u_y on the other side only; end it beside the vertex, or hold both components on one side");
+    if (x+y) return sign(x+y);
+    double plus = lengths[0].plus + lengths[1].plus, minus = lengths[0].minus + lengths[1].minus;
     return plus+minus == 0 ? 0 : plus >= minus ? 1 : -1;
   }
 

@@ -8,6 +8,12 @@ namespace ngsxfem_contact
   {
     /// The cracks are located in one mesh: a space on them does not follow its refinement.
     Flags Fixed (Flags flags) { return flags.SetFlag("autoupdate", false); }
+
+    void CheckComponent (int component)
+    {
+      if (component != 0 && component != 1)
+        throw Exception("CrackFESpace: component " + ngcore::ToString(component) + " is neither 0 (x) nor 1 (y)");
+    }
   }
 
   CrackFESpace :: CrackFESpace (shared_ptr<CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags)
@@ -18,6 +24,11 @@ namespace ngsxfem_contact
     Flags scalar_flags = Fixed(flags);
     scalar_flags.SetFlag("dim", 1);
     scalar = CreateFESpace("h1ho", ma, scalar_flags);
+    for (auto [component, name] : { std::pair(0, "dirichletx"), std::pair(1, "dirichlety") })
+      {
+        held[component] = dirichlet_boundaries;
+        if (flags.StringFlagDefined(name)) held[component] |= Region(ma, BND, flags.GetStringFlag(name)).Mask();
+      }
     SetTips(atips);
     for (auto trace : { Trace::Position, Trace::Plus, Trace::Minus, Trace::Jump, Trace::Larger })
       for (int diff_order : { 0, 1 })
@@ -105,27 +116,36 @@ namespace ngsxfem_contact
       }
   }
 
-  /// The base class fixes all functions of a Dirichlet vertex or edge; those that vanish on the boundary beside it are free.
+  const BitArray & CrackFESpace :: HeldRegions (int component) const
+  {
+    CheckComponent(component);
+    return held[component];
+  }
+
+  /// Fixed are the functions of a component with a trace on the boundary where it is held. (The base class fixes all functions of a Dirichlet
+  /// vertex or edge, in both components, also those that vanish on the boundary beside it.)
   void CrackFESpace :: UpdateFreeDofs ()
   {
     FESpace::UpdateFreeDofs();
-    BitArray traced(ndof);
-    traced.Clear();
+    dirichlet_dofs.Clear();
     Array<DofId> dofs;
     for (size_t i = 0; i < ma->GetNE(BND); i++)
-      if (dirichlet_boundaries.Size() && dirichlet_boundaries[ma->GetElement(ElementId(BND, i)).GetIndex()])
-        {
-          GetDofNrs(ElementId(BND, i), dofs);
-          for (auto dof : dofs) traced.SetBit(dof);
-        }
-    for (size_t j = 0; j < NumHeaviside(); j++)
-      for (int k : { 0, 1 })
-        if (auto dof = HeavisideDof(j, k); !traced.Test(dof))
-          {
-            dirichlet_dofs.Clear(dof);
-            free_dofs->SetBit(dof);
-            if (GetDofCouplingType(dof) != LOCAL_DOF) external_free_dofs->SetBit(dof);
-          }
+      {
+        ElementId element(BND, i);
+        GetDofNrs(element, dofs);
+        size_t n = dofs.Size()/2;
+        for (size_t k : { 0, 1 })
+          if (held[k][ma->GetElement(element).GetIndex()])
+            for (auto dof : dofs.Range(k*n, (k+1)*n))
+              if (IsRegularDof(dof)) dirichlet_dofs.SetBit(dof);
+      }
+    *free_dofs = dirichlet_dofs;
+    free_dofs->Invert();
+    for (auto dof : Range(ctofdof))
+      if (!(ctofdof[dof] & VISIBLE_DOF)) free_dofs->Clear(dof);
+    *external_free_dofs = *free_dofs;
+    for (auto dof : Range(ctofdof))
+      if (ctofdof[dof] & CONDENSABLE_DOF) external_free_dofs->Clear(dof);
   }
 
   const CrackFESpace::Enrichment & CrackFESpace :: At (size_t j) const
@@ -138,8 +158,7 @@ namespace ngsxfem_contact
   DofId CrackFESpace :: HeavisideDof (size_t j, int component) const
   {
     At(j);
-    if (component != 0 && component != 1)
-      throw Exception("CrackFESpace: component " + ngcore::ToString(component) + " is neither 0 (x) nor 1 (y)");
+    CheckComponent(component);
     return 2*NumScalar() + component*NumHeaviside() + j;
   }
 

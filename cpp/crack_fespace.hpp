@@ -11,6 +11,7 @@ namespace ngsxfem_contact
   {
     shared_ptr<CrackedMesh> body;
     double tolerance;                                 // of the rules around the tips
+    std::array<ngcore::BitArray,2> held;              // by component: the boundary regions on which it is fixed
     shared_ptr<ngcomp::FESpace> scalar;               // P_k
     std::vector<std::optional<TipFunctions>> tips;    // by tip of the body
     std::vector<size_t> first_tip_dof;
@@ -50,6 +51,8 @@ namespace ngsxfem_contact
     shared_ptr<ngcomp::FESpace> GetScalar() const { return scalar; }
     std::vector<std::optional<TipSpec>> TipSpecs() const;
     double Tolerance() const { return tolerance; }
+    /// The boundary regions of dirichlet, and of dirichletx (component 0) or dirichlety (1).
+    const ngcore::BitArray & HeldRegions (int component) const;
 
     void Update () override;
     void FinalizeUpdate () override;
@@ -96,6 +99,8 @@ namespace ngsxfem_contact
     const TipSet & TipsOf (ElementId ei) const
     { return tip_sets[ei.VB() == VOL ? tips_of[ei.Nr()] : 0]; }
     int SideOfBoundaryElement (size_t element, const Support & support) const;
+    struct HeldLength { double plus = 0, minus = 0; };
+    std::array<HeldLength,2> HeldLengths (ngcomp::NodeId node, const Support & support) const;
     int SideOfFixedBoundary (ngcomp::NodeId node, const Support & support) const;
   };
 }

@@ -740,6 +740,11 @@ class CrackFESpace(ngsolve.comp.FESpace):
         The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere.
         """
 
+    def HeldRegions(self, component: int) -> pyngcore.pyngcore.BitArray:
+        """
+        The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.
+        """
+
     def TipDofs(self, tip: int) -> list[int]:
         """
         The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.

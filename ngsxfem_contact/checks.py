@@ -5,7 +5,7 @@ from ngsolve import BilinearForm, Grad, InnerProduct, specialcf
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from .connectivity import VertexCopies
+from .connectivity import RigidMotions
 from .contact_system import stiffness_form
 from .elimination import Elimination
 from .errors import NotCoercive, SingularSystem
@@ -34,16 +34,20 @@ def check_load(F, given):
 
 
 def check_rigid_motions(problem):
-    """Raises SingularSystem if a rigid motion of the body, or of a part that cracks cut off, is not held."""
-    fixed = ~mask(problem.free)
-    copies = VertexCopies(problem.V)
-    for part in range(copies.parts):
-        motions = copies.RigidMotions(part)
-        held = (motions / np.abs(motions).max(axis=0))[fixed]
-        rank = np.linalg.matrix_rank(held, tol=1e-8) if len(held) else 0
-        if rank < 3:
-            name = "the body" if copies.parts == 1 else f"one of the {copies.parts} parts into which the cracks divide the body"
-            raise SingularSystem(f"{3 - rank} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...)")
+    """Raises SingularSystem if a rigid motion of the body is not held, or of a part that cracks cut off or that hangs on others by points."""
+    free = RigidMotions(problem.V).Free(~mask(problem.free), problem.a)
+    if free is None:
+        return
+    name = "the body"
+    if free.parts > 1:
+        name = f"one of the {free.parts} parts into which the cracks divide the body, " + "around ({:g}, {:g}),".format(*free.centre)
+    if len(free.hinges):
+        name = "the part of the body around ({:g}, {:g}), ".format(*free.centre) + "which hangs on others by {} {} alone,".format(
+            "the vertex" if len(free.hinges) == 1 else "the vertices", ", ".join("({:g}, {:g})".format(*point) for point in free.hinges)
+        )
+    raise SingularSystem(
+        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space, by Pin(...) or by springs in problem.a"
+    )
 
 
 def check_multiplier(Q, tolerance=1e-10):

@@ -1,12 +1,16 @@
-"""The connected parts of Ω∖Γ_C as the space V_h sees them, and their rigid motions."""
+"""The connected parts of Ω∖Γ_C as the space V_h sees them, and which of their rigid motions are held."""
+
+from dataclasses import dataclass
 
 import numpy as np
+from ngsolve import GridFunction
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from .spaces import mask
 
 SLIVER = 1e-12  # of the largest part of an element: a smaller one holds nothing together
+HELD = 1e-8  # of a motion's size: what supports change by less is free
 
 
 def sides_of_parts(parts):
@@ -22,8 +26,10 @@ def sides_of_parts(parts):
 class VertexCopies:
     """A vertex whose function is enriched has a copy on each side of the crack; the others have one.
 
-    labels: the connected part of each copy.    parts: their number.    index: (vertex, sides) → copy, where sides are
-    the signs with respect to the cracks that enrich the vertex; a vertex that none enriches is its own copy.
+    corners: (n, 3), the copies at the corners of each piece, an element or what a crack leaves of it on one side.    labels: (n,) the part of the body to
+    which it belongs: pieces are joined where they share two copies, an edge; one copy alone is a hinge.    parts: their number.
+    index: (vertex, sides) → copy, where sides are the signs with respect to the cracks that enrich the vertex; a vertex that none enriches is its
+    own copy.    vertex: (copies,) the vertex of each.
     """
 
     def __init__(self, V):
@@ -34,69 +40,132 @@ class VertexCopies:
             if dof < self.nv:
                 self.enriched.setdefault(dof, []).append((j, shift, V.HeavisideCrack(j)))
         self.index = {}
-        edges = np.concatenate([self._uncut_edges(), np.array(self._crack_edges(), dtype=int).reshape(-1, 2)])
-        copies = self.nv + len(self.index)
-        rows, columns = edges.T
-        self.parts, self.labels = connected_components(coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(copies, copies)), directed=False)
-        self._forget_unused()
+        away, beside = self._elements()
+        self.corners = np.concatenate([away, np.array(list(self._pieces(beside)), dtype=int).reshape(-1, 3)])
+        self.vertex = np.concatenate([np.arange(self.nv), np.array([vertex for vertex, _ in self.index], dtype=int)])
+        self.parts, self.labels = parts_joined_by_edges(self.corners, len(self.vertex))
 
-    def _forget_unused(self):
-        """Enriched vertices have no single copy: their entry (v, ()) belongs to no part."""
-        used = np.ones(len(self.labels), dtype=bool)
-        used[list(self.enriched)] = False
-        parts, self.labels[used] = np.unique(self.labels[used], return_inverse=True)
-        self.labels[~used] = -1
-        self.parts = len(parts)
+    def _elements(self):
+        """The vertices of elements away from the cracks, (n, 3); number and vertices of the others."""
+        vertices = self.V.mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
+        enriched = np.zeros(self.nv, dtype=bool)
+        enriched[list(self.enriched)] = True
+        beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
+        return vertices[~beside], [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
+
+    def _pieces(self, elements):
+        """The copies at the corners of each part of the elements beside a crack."""
+        body = self.V.body
+        for element, vertices in elements:
+            cracks = body.CracksOf(element)
+            for sides in sides_of_parts(body.Parts(element)):
+                yield [self._copy(v, element, dict(zip(cracks, sides))) for v in vertices]
 
     def _copy(self, vertex, element, forced):
         """The copy on the side of an element, or on forced sides {crack: side} with respect to the cracks that divide it."""
         own = tuple(self.V.HeavisideSide(j, element) or forced[crack] for j, _, crack in self.enriched.get(vertex, []))
         return self.index.setdefault((vertex, own), self.nv + len(self.index)) if own else vertex
 
-    def _uncut_edges(self):
-        """Two edges of each element away from the cracks; the others are kept in `beside`."""
-        mesh = self.V.mesh
-        vertices = mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
-        enriched = np.zeros(self.nv, dtype=bool)
-        enriched[list(self.enriched)] = True
-        beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
-        self.beside = [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
-        return np.concatenate([vertices[~beside][:, [0, 1]], vertices[~beside][:, [0, 2]]])
+    def OnLargerSide(self):
+        """(nv,): the copy of each vertex whose displacement is the coefficient of φ_i; -1 if there is none."""
+        copies = np.arange(self.nv)
+        for vertex, functions in self.enriched.items():
+            copies[vertex] = self.index.get((vertex, tuple(shift for _, shift, _ in functions)), -1)
+        return copies
 
-    def _crack_edges(self):
-        """Each part of an element beside a crack joins the copies of its vertices on its sides."""
-        edges = []
-        body = self.V.body
-        for element, vertices in self.beside:
-            cracks = body.CracksOf(element)
-            for sides in sides_of_parts(body.Parts(element)):
-                first, *others = [self._copy(v, element, dict(zip(cracks, sides))) for v in vertices]
-                edges += [(first, other) for other in others]
-        return edges
+    def AcrossCracks(self):
+        """(j, copy, copy): the j-th Heaviside function is the difference between the displacements of two copies."""
+        for vertex, functions in self.enriched.items():
+            larger = tuple(shift for _, shift, _ in functions)
+            for k, (j, shift, _) in enumerate(functions):
+                other = larger[:k] + (-shift,) + larger[k + 1 :]
+                if {(vertex, larger), (vertex, other)} <= self.index.keys():
+                    yield j, self.index[vertex, larger], self.index[vertex, other]
 
-    def RigidMotions(self, part):
-        """Coefficients in V of the two translations and the rotation of one part, zero elsewhere: (ndof, 3)."""
-        points = self.V.mesh.ngmesh.Coordinates()[: self.nv]
-        fields = [(1 + 0 * points[:, 0], 0 * points[:, 0]), (0 * points[:, 0], 1 + 0 * points[:, 0]), (-points[:, 1], points[:, 0])]
-        return np.column_stack([self._coefficients(field, part) for field in fields])
 
-    def _coefficients(self, field, part):
-        vec = np.zeros(self.V.ndof)
-        inside = self.labels[: self.nv] == part
-        scalar = self.V.scalar_space.ndof
-        for component in range(2):
-            vec[component * scalar + np.flatnonzero(inside)] = field[component][inside]
-            for vertex, functions in self.enriched.items():
-                larger = tuple(shift for _, shift, _ in functions)
-                on_larger = self._is_in(vertex, larger, part)
-                vec[component * scalar + vertex] = on_larger * field[component][vertex]
-                for k, (j, shift, _) in enumerate(functions):
-                    # the function ½(H - s) φ is -s φ on the other side
-                    other = larger[:k] + (-shift,) + larger[k + 1 :]
-                    difference = self._is_in(vertex, other, part) - on_larger
-                    vec[self.V.HeavisideDof(j, component)] = -shift * difference * field[component][vertex]
-        return vec
+def parts_joined_by_edges(corners, copies):
+    """(number, labels) of the connected parts of triangles (n, 3) that share edges."""
+    n = len(corners)
+    ends = np.sort(np.stack([corners, np.roll(corners, 1, axis=1)], axis=2), axis=2).astype(np.int64)
+    edges, number = np.unique(ends[..., 0] * copies + ends[..., 1], return_inverse=True)
+    graph = coo_matrix((np.ones(3 * n, dtype=bool), (np.repeat(np.arange(n), 3), n + number.ravel())), shape=(n + len(edges),) * 2)
+    parts, labels = connected_components(graph, directed=False)
+    return parts, labels[:n]
 
-    def _is_in(self, vertex, sides, part):
-        copy = self.index.get((vertex, sides)) if sides else vertex
-        return float(copy is not None and self.labels[copy] == part)
+
+@dataclass
+class FreeMotion:
+    """number: of free rigid motions.    centre: of the part that moves.    hinges: points (n, 2) at which it hangs on others.    parts: of the body."""
+
+    number: int
+    centre: np.ndarray
+    hinges: np.ndarray
+    parts: int
+
+
+class RigidMotions:
+    """Two translations and a turn for each part of a body, about its centre, in units of its size; what hinges and supports ask of them."""
+
+    def __init__(self, V):
+        self.copies = copies = VertexCopies(V)
+        keys = np.unique(copies.corners.astype(np.int64) * copies.parts + copies.labels[:, None])
+        self.copy, self.part = keys // copies.parts, keys % copies.parts  # each pair once, ordered by copies
+        self.points = V.mesh.ngmesh.Coordinates()[copies.vertex, :2]
+        members = [self.points[self.copy[self.part == part]] for part in range(copies.parts)]
+        self.centres = np.array([0.5 * (points.min(axis=0) + points.max(axis=0)) for points in members])
+        self.sizes = np.array([np.ptp(points, axis=0).max() for points in members])
+        self.hinges = np.flatnonzero(np.diff(self.copy) == 0)  # pairs i and i + 1 are one copy in two parts
+
+    def Rows(self, pairs, component):
+        """A component of the displacement of pairs of copy and part, as a matrix (len(pairs), 3 parts) on the motions."""
+        rows, part = np.zeros((len(pairs), 3 * self.copies.parts)), self.part[pairs]
+        arm = (self.points[self.copy[pairs]] - self.centres[part]) / self.sizes[part][:, None]
+        number = np.arange(len(pairs))
+        rows[number, 3 * part + component] = 1
+        rows[number, 3 * part + 2] = arm[:, 0] if component else -arm[:, 1]
+        return rows
+
+    def Coefficients(self):
+        """(unknowns, rows): the coefficients of the motions in V, a matrix (number, 3 parts) for the unknowns that are not zero."""
+        copies, V = self.copies, self.copies.V
+        pair = np.full(len(copies.vertex) + 1, -1)  # of each copy; -1 has none
+        pair[self.copy] = np.arange(len(self.copy))
+        vertices, across = pair[copies.OnLargerSide()], list(copies.AcrossCracks())
+        jumps = np.array([(pair[a], pair[b]) for _, a, b in across], dtype=int).reshape(-1, 2)
+        there = np.flatnonzero(vertices >= 0)
+        unknowns, rows = [], []
+        for k in range(2):
+            unknowns += [k * V.scalar_space.ndof + there, np.array([V.HeavisideDof(j, k) for j, _, _ in across], dtype=int)]
+            rows += [self.Rows(vertices[there], k), self.Rows(jumps[:, 0], k) - self.Rows(jumps[:, 1], k)]
+        return np.concatenate(unknowns), np.concatenate(rows)
+
+    def Constraints(self, fixed, springs):
+        """What must vanish, as a matrix on the motions.  fixed: the unknowns of V that are, a boolean array.    springs: a StiffnessForm."""
+        unknowns, rows = self.Coefficients()
+        hinges = [self.Rows(self.hinges, k) - self.Rows(self.hinges + 1, k) for k in range(2)]
+        return np.concatenate([*hinges, rows[fixed[unknowns]], self._of_springs(springs, unknowns, rows)])
+
+    @staticmethod
+    def _of_springs(springs, unknowns, rows):
+        """The forces of springs in the motions, scaled to a unit diagonal: they vanish where no spring resists."""
+        if not springs.terms:
+            return rows[:0]
+        motion, forces = GridFunction(springs.V), []
+        for column in rows.T:
+            motion.vec[:] = 0
+            motion.vec.FV().NumPy()[unknowns] = column
+            forces.append(rows.T @ springs.Forces(motion)[unknowns])
+        scale = np.sqrt(np.maximum(np.diag(forces), np.finfo(float).tiny))
+        return np.array(forces) / scale / scale[:, None]
+
+    def Free(self, fixed, springs):
+        """The FreeMotion of the part that moves most, or None if all parts are held."""
+        constraints, parts = self.Constraints(fixed, springs), self.copies.parts
+        triangle = np.linalg.qr(np.concatenate([constraints, np.zeros((3 * parts, 3 * parts))]), mode="r")
+        _, sizes, motions = np.linalg.svd(triangle)
+        free = motions[sizes < HELD].reshape(-1, parts, 3)
+        if len(free) == 0:
+            return None
+        part = int(np.argmax(np.linalg.norm(free, axis=(0, 2))))
+        shared = [i for i in self.hinges if part in (self.part[i], self.part[i + 1])]
+        return FreeMotion(int(np.linalg.matrix_rank(free[:, part], tol=HELD)), self.centres[part], self.points[self.copy[shared]], parts)

@@ -1,6 +1,6 @@
 """The matrices of (38) of [AHLMR12] and the loads that go with them."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from ngsolve import BilinearForm, GridFunction, InnerProduct, LinearForm
@@ -11,11 +11,18 @@ from .operators import Strain
 from .spaces import to_scipy
 
 
-class GivenTraction(NamedTuple):
-    """What r_0 adds to the right-hand sides of (38): F = Σ ∫γ r_0 R_h(v), and G = ∫γ r_0 ψ_i for each component."""
+@dataclass
+class GivenTraction:
+    """What r_0 adds to the right-hand sides of (38): F = Σ ∫γ r_0 R_h(v), and G = ∫γ r_0 ψ_i for each component. Linear in the load."""
 
     F: np.ndarray
     G: np.ndarray
+
+    def __add__(self, other):
+        return GivenTraction(self.F + other.F, self.G + other.G)
+
+    def __rmul__(self, factor):
+        return GivenTraction(factor * self.F, factor * self.G)
 
 
 class ContactSystem:

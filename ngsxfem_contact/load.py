@@ -172,10 +172,13 @@ class StiffnessForm:
         for term in self.terms:
             form += term.form
 
-    def Of(self, u):
-        """The value of the terms for u, u, a GridFunction."""
+    def Forces(self, u):
+        """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body."""
         operator = lambda name: u if name == "Id" else u.Operator(name)
-        return sum(Integrate(term.form.Replace(replaced((*term.trial, *term.test), operator)), term.body.mesh) for term in self.terms)
+        form = LinearForm(self.V)
+        for term in self.terms:
+            form += term.form.Replace(replaced(term.trial, operator))
+        return form.Assemble().vec.FV().NumPy().copy() if self.terms else np.zeros(self.V.ndof)
 
     @property
     def joint(self):

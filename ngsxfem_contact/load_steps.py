@@ -10,10 +10,13 @@ from .solver import ReducedProblem
 class LoadCase:
     """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case.
 
-    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite.
+    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite, and for given displacements that contradict
+    each other.
     """
 
     def __init__(self, problem):
+        problem.supports.Check()
+        self.jumps, self.held = problem.supports.NormalJumps(), frozenset(problem.supports.sides)
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
         self.applied = AppliedLoad.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
@@ -43,9 +46,11 @@ class LoadSteps:
     def __init__(self, problem, cases=None, inverse=None):
         for case in cases or ():
             check_type(case, LoadCase, "LoadSteps: a case", "a LoadCase(problem)")
+            if case.held != frozenset(problem.supports.sides):
+                raise ValueError("LoadSteps: SetDirichlet has freed or fixed components since a load case was made; all cases need the same ones")
         with doing("load steps"):
             self.reduced = ReducedProblem(problem, inverse)
-        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied) for case in cases]
+        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied, case.jumps) for case in cases]
         if not self.loads:
             raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")
         self.last = None

@@ -15,8 +15,7 @@ def mouth_weight(body, power=3):
     with slopes as large as that error over ℓ_s: the given displacement at the nodes beside the mouth would be wrong.
     """
     mesh = body.mesh
-    points = np.array([vertex.point for vertex in mesh.vertices])
-    edges = points[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)]]
+    edges = mesh.ngmesh.Coordinates()[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)], :2]
     weight = CoefficientFunction(1)
     for number, end in mouths(body, edges):
         a, b = sorted(edges[number], key=lambda corner: np.hypot(*(corner - end)))

@@ -3,8 +3,7 @@
 from numbers import Real
 
 import numpy as np
-from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, InnerProduct, LinearForm, NodeId, Parameter
-from scipy.sparse.linalg import splu
+from ngsolve import CoefficientFunction, InnerProduct, Parameter
 
 from . import _ngsxfem_contact as core
 from .arguments import INFINITY, check_function, check_item, check_number, check_type
@@ -14,13 +13,10 @@ from .elasticity import Isotropic
 from .face_traction import ComparedTraction
 from .friction import Friction, Frictionless
 from .load import LoadForm, StiffnessForm, load_form
-from .mouths import boundary_mass, mouth_weight, short_traces
 from .operators import Gradient, Minus, Plus
 from .solver import solve
-from .spaces import check_regions
 from .stabilisation import BarbosaHughes, Unstabilised, softened
-
-COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
+from .supports import Supports
 
 
 def check_modes(V, material):
@@ -100,9 +96,7 @@ class ContactProblem:
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
         for stress in given_stresses(material, initial_stress, temperature):
             self.initial += -InnerProduct(stress, Gradient(V.TestFunction())) * V.body.dx
-        self.given = GridFunction(V)
-        self.pinned = []
-        self.free = BitArray(V.FreeDofs())
+        self.supports = Supports(V)
 
     @property
     def body(self):
@@ -149,72 +143,39 @@ class ContactProblem:
         v, measure = self.V.TestFunction(), self.body.dcrack if crack is None else self.body.dcrack(crack=crack)
         self.f += (plus * Plus(v) + minus * Minus(v)) * measure
 
+    @property
+    def given(self):
+        """The displacement where it is given, a GridFunction."""
+        return self.supports.given
+
+    @property
+    def free(self):
+        """BitArray of the unknowns that are not given."""
+        return self.supports.free
+
+    @property
+    def pinned(self):
+        """The unknowns that pins fix."""
+        return self.supports.pinned
+
     def Pin(self, point, components, value=0):
         """Fixes components ("x", "y" or "xy") of u at a mesh vertex to a number, or to one number for each component.
 
-        Raises ValueError if there is no vertex at the point (the message names the nearest), or if u jumps there.
+        Raises ValueError if there is no vertex at the point (the message names the nearest), if u jumps there, inside the disk of a tip, whose
+        functions would move the vertex, and for a value that contradicts another one there.
         """
-        if components not in COMPONENTS:
-            raise ValueError(f"Pin: components={components!r} is not one of {sorted(COMPONENTS)}")
-        vertex = self._vertex_at(point)
-        dofs = self.V.GetDofNrs(NodeId(VERTEX, vertex))
-        if len(dofs) > 2:
-            raise ValueError(f"Pin: u may jump at the vertex {tuple(point)}, beside the crack; pin a vertex away from it")
-        values = self._pin_values(value, components)
-        for component, number in zip(COMPONENTS[components], values):
-            self.free.Clear(dofs[component])
-            self.pinned.append(dofs[component])
-            self.given.vec[dofs[component]] = float(number)
-
-    def _pin_values(self, value, components):
-        try:
-            values = np.broadcast_to(np.asarray(value, dtype=float), len(components))
-        except (TypeError, ValueError):
-            raise ValueError(f"Pin: value={value!r} is not a number{', nor two, one for each component' * (len(components) == 2)}") from None
-        if not np.isfinite(values).all():
-            raise ValueError(f"Pin: value={value} is not finite; give the displacement in the unit of length")
-        return values
-
-    def _vertex_at(self, point):
-        if np.shape(point) != (2,) or not all(isinstance(coordinate, Real) for coordinate in point):
-            raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
-        vertices = np.array([v.point for v in self.V.mesh.vertices])
-        distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
-        nearest = int(np.argmin(distance))
-        if not distance[nearest] <= 1e-8 * np.ptp(vertices, axis=0).max():
-            raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {tuple(vertices[nearest].tolist())}")
-        return nearest
+        self.supports.Pin(point, components, value)
 
     def SetDirichlet(self, value, region):
         """Sets u on a boundary region of V's dirichlet parts: the weighted L² projection of value's trace, both sides at a mouth.
 
         Beside a vertex that a mouth nearly meets, functions that hardly reach the boundary become free (`mouths.short_traces`).
-        value: CoefficientFunction with two components or tuple.    Raises ValueError for a region that is not fixed.
+        value: CoefficientFunction with two components or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on
+            the region before is replaced.
+        Raises ValueError for a region on which a given component is not held by the space, and for another value than that of a Pin. Regions that
+        contradict each other at a common corner are refused by Solve and LoadCase.
         """
-        check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
-        check_regions(self.V.mesh, region, "SetDirichlet: region")
-        value = check_function(value, "SetDirichlet: value", 2)
-        weight, short = mouth_weight(self.body), short_traces(self.V, region)
-        mass = boundary_mass(self.V, region, weight)
-        zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
-        v = self.V.TestFunction()
-        load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * self.body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
-        if not np.isfinite(load).all():
-            raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
-        diagonal = mass.diagonal()
-        dofs = np.setdiff1d(np.flatnonzero(diagonal), short)
-        if np.array([self.free[int(dof)] for dof in dofs]).any():
-            raise ValueError(f"SetDirichlet: {region!r} is not part of CrackFESpace(..., dirichlet=...); declare it there")
-        for dof in short:
-            self.free.Set(int(dof))
-        scale = 1 / np.sqrt(diagonal[dofs])
-        scaled = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc()
-        values = scale * splu(scaled).solve(scale * load[dofs])
-        given = self.given.vec.FV().NumPy()
-        pinned = np.isin(dofs, self.pinned)
-        if not np.allclose(values[pinned], given[dofs[pinned]], atol=1e-8 * np.abs(values).max()):
-            raise ValueError(f"SetDirichlet: a vertex of {region!r} was pinned to another value; remove the Pin, or give both the same value")
-        given[dofs] = values
+        self.supports.SetDirichlet(value, region)
 
     def ComparedTraction(self):
         """R_h of this problem: a ComparedTraction."""
@@ -224,6 +185,10 @@ class ContactProblem:
         """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
         gamma = self.stabilisation.Gamma(self.V, self.material, self.friction.components)
         return softened(gamma, self.a.joint)
+
+    def Loads(self):
+        """F of (38), an array."""
+        return self.f.Assemble().vec.FV().NumPy().copy()
 
     def Assemble(self):
         """The matrices of (38): a ContactSystem."""

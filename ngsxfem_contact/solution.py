@@ -9,7 +9,7 @@ from . import fracture
 from .arguments import check_item, check_whole
 from .nodal_newton import FREE
 from .operators import TANGENTIAL, NormalGap, Slip, Strain
-from .spaces import crack_points
+from .spaces import check_regions, crack_points
 
 
 @dataclass
@@ -45,7 +45,7 @@ class State:
 class ContactSolution:
     """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None.
 
-    u may be a function without arguments that computes it: it is called when u is first used.
+    u may be a function without arguments that computes u and the SupportResidual: it is called when one of them is first used.
     tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
     load: the Load of this step: F, and the terms it comes from.
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
@@ -53,6 +53,7 @@ class ContactSolution:
 
     def __init__(self, problem, u, multipliers, report, gamma, state, load=None):
         self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
+        self._supports = None
         self.load = load
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
@@ -60,7 +61,7 @@ class ContactSolution:
     def u(self):
         """The displacement."""
         if not isinstance(self._u, GridFunction):
-            self._u = self._u()
+            self._u, self._supports = self._u()
         return self._u
 
     @property
@@ -96,6 +97,29 @@ class ContactSolution:
     def _along(self, function, crack):
         check_item(crack, self.body.cracks, "crack", "body.cracks")
         return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh) if function else 0.0
+
+    def Reactions(self):
+        """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin.
+
+        `total` of the table and the loads are in balance to round-off. Raises ValueError for a solution that was read from a file.
+        """
+        stress = self.stress
+        if self._supports is None:
+            raise ValueError("Reactions: this solution was read from a file, which does not hold the reactions; solve the problem again")
+        return self._supports.Forces(self.problem.V, stress)
+
+    def Reaction(self, place):
+        """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
+
+        place: a boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided
+        between them as σn on either side says.    Raises ValueError for a region that the mesh does not have and a vertex that is not pinned.
+        """
+        rows = self.Reactions()
+        if isinstance(place, str):
+            check_regions(self.body.mesh, place, "Reaction: region")
+            boundaries = self.body.mesh.GetBoundaries()
+            return rows.OfBoundaries({boundaries[i] for i in np.flatnonzero(list(self.body.mesh.Boundaries(place).Mask()))})
+        return rows.OfPin(place)
 
     def FrictionWork(self):
         """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes."""
@@ -188,7 +212,8 @@ class ContactSolution:
 
     def PotentialEnergy(self):
         """Π = ½ a(u, u) - L(u), springs and given stresses included. Without friction G = -dΠ/da, a the length of the crack."""
-        return self.Energy() + 0.5 * self.problem.a.Of(self.u) - float(self.load.F @ self.u.vec.FV().NumPy())
+        U = self.u.vec.FV().NumPy()
+        return self.Energy() + float((0.5 * self.problem.a.Forces(self.u) - self.load.F) @ U)
 
     def Draw(self, **options):
         """Shows the deformed body with the crack open in a notebook.

@@ -1,6 +1,6 @@
 """From a ContactProblem to a ContactSolution: elimination of U, the active set, and what was checked on the way."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from ngsolve import GridFunction
@@ -16,6 +16,7 @@ from .friction import transformation
 from .load import AppliedLoad
 from .negligible import without_negligible
 from .progress import doing
+from .reactions import SupportResidual
 from .report import Report, stage
 from .solution import ContactSolution, State
 
@@ -37,6 +38,7 @@ def solve(problem, inverse=None, **options):
 @dataclass
 class Load:
     """F and given displacements of one load case, eliminated: `load.reduced` is that of F + F_γ - A U_D.  g: E A⁻¹(F + F_γ - A U_D) + E U_D.
+    jumps: given at mouths, see Supports.NormalJumps.
 
     given_traction: F_γ and G_γ, see `ContactSystem.Given`.    The load cases of a problem can be added and multiplied by numbers.
     """
@@ -47,14 +49,13 @@ class Load:
     reduced: ReducedLoad
     g: np.ndarray
     applied: AppliedLoad
+    jumps: np.ndarray
 
     def __add__(self, other):
-        traction = GivenTraction(*(a + b for a, b in zip(self.given_traction, other.given_traction)))
-        return Load(self.F + other.F, self.given + other.given, traction, self.reduced + other.reduced, self.g + other.g, self.applied + other.applied)
+        return Load(*(getattr(self, part.name) + getattr(other, part.name) for part in fields(self)))
 
     def __rmul__(self, factor):
-        traction = GivenTraction(*(factor * part for part in self.given_traction))
-        return Load(factor * self.F, factor * self.given, traction, factor * self.reduced, factor * self.g, factor * self.applied)
+        return Load(*(factor * getattr(self, part.name) for part in fields(self)))
 
     @property
     def forces(self):
@@ -74,6 +75,8 @@ class ReducedProblem:
         size = f"{problem.V.ndof} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             check_rigid_motions(problem)
+            problem.supports.Check()
+            self.supports = problem.supports.Holders(), problem.supports.CornerEdges()
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
             check_gap(system)
@@ -85,23 +88,28 @@ class ReducedProblem:
             m = system.E.shape[0]
             self.S = self.elimination.S[:m] @ system.Distribute(np.eye(m)) + system.D.toarray()
         with stage(self.timings, "load", f"eliminating {size} from the load"):
-            self.initial = self._of(problem.initial, np.zeros(problem.V.ndof)) if problem.initial.given else None
+            self.initial = self._initial_load()
             self.load = self.PresentLoad()
 
     def PresentLoad(self):
         """The Load of what the problem holds now."""
-        return self._of(self.problem.f, self.problem.given.vec.FV().NumPy().copy())
+        given, jumps = self.problem.given.vec.FV().NumPy().copy(), self.problem.supports.NormalJumps()
+        return self.Load(self.problem.Loads(), given, AppliedLoad.Of(self.problem.f), jumps)
 
-    def _of(self, form, given):
-        return self.Load(form.Assemble().vec.FV().NumPy().copy(), given, AppliedLoad.Of(form))
+    def _initial_load(self):
+        """That of initial stress and temperature, which load steps do not scale; None if there are none."""
+        form, jumps = self.problem.initial, self.problem.supports.NormalJumps()
+        if not form.given:
+            return None
+        return self.Load(form.Assemble().vec.FV().NumPy().copy(), np.zeros(self.problem.V.ndof), AppliedLoad.Of(form), 0 * jumps)
 
-    def Load(self, F, given, applied):
+    def Load(self, F, given, applied, jumps):
         """The Load of a vector F and given displacements, arrays of length ndof, F the vector of `applied`: one back-substitution."""
         check_load(F, given)
         traction = self.system.Given(applied)
         forces = F + traction.F
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
-        return Load(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied)
+        return Load(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied, jumps)
 
     def Displacement(self, L, load=None):
         """U for a multiplier L: one back-substitution."""
@@ -127,6 +135,7 @@ class ReducedProblem:
         load = load if self.initial is None else self.initial + load
         check_whole(max_iterations, "max_iterations", 1)
         check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
+        problem.supports.CheckOverlap(load.jumps, problem.gap, np.abs(load.given).max())
         report = Report((int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings))
         with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
             T, Q = self._signs(cone)
@@ -186,7 +195,8 @@ class ReducedProblem:
             u, U = GridFunction(self.problem.V, "u"), self.Displacement(L, load)
             self.Accept(report, load, U, L, G, p, T, cone)
             u.vec.FV().NumPy()[:] = U
-        return u
+        exerted = self.system.Stiffness(U) - load.forces - self.system.Forces(L)
+        return u, SupportResidual(*self.supports, exerted, -self.problem.a.Forces(u))
 
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""

@@ -1,6 +1,7 @@
 """The spaces: V_h of displacements (section 3 of docs/method.md) and W_h of multipliers (section 4)."""
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 import numpy as np
 from ngsolve import BilinearForm, CreateVVector, GridFunction, Projector
@@ -77,18 +78,22 @@ class CrackFESpace(core.CrackFESpace):
 
     body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+").
     tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
-    dirichlet and further flags: as for NGSolve's spaces.
-    Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has and an unknown
-    boundary, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
+    dirichlet: names (a regular expression) of the boundaries on which u is held.    dirichletx, dirichlety: of those on which that component is held:
+        rollers, planes of symmetry.    flags: orderinner, print as for NGSolve's H1.
+    Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has, an unknown
+    boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
 
-    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", **flags):
+    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", dirichletx="", dirichlety="", **flags):
+        check_flags(flags)
         check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
         check_whole(order, "CrackFESpace: order", 1)
         if bubble and order != 1:
             raise ValueError(f"CrackFESpace: bubble=True goes with order=1 (P1+), not with order={order}")
-        if dirichlet:
-            check_regions(body.mesh, dirichlet, "CrackFESpace: dirichlet")
+        for name, pattern in (("dirichlet", dirichlet), ("dirichletx", dirichletx), ("dirichlety", dirichlety)):
+            if pattern:
+                flags[name] = joined_names(pattern)
+                check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
         tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
         for enrichment in tips:
             if enrichment is not None and not hasattr(enrichment, "Spec"):
@@ -99,12 +104,41 @@ class CrackFESpace(core.CrackFESpace):
         tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)
         if bubble:
             flags["orderinner"] = 3
-        super().__init__(body, specs, tolerance, order=order, dirichlet=dirichlet, **flags)
+        super().__init__(body, specs, tolerance, order=order, **flags)
+
+
+FLAGS = ("orderinner", "print")
+NO_FLAGS = {
+    "complex": "the space is real",
+    "dim": "u has two components",
+    "definedon": "the space lives on the whole body; take a mesh of the body alone",
+    "dgjumps": "u is continuous off the cracks",
+    "autoupdate": "the cracks are located in one mesh",
+    "dirichlet_bbnd": "hold a vertex by problem.Pin(point, components)",
+}
+
+
+def check_flags(flags):
+    """Raises ValueError for a flag of NGSolve's spaces that makes no sense here, TypeError for any other name."""
+    for name, value in flags.items():
+        if name in NO_FLAGS and value:
+            raise ValueError(f"CrackFESpace: {name}={value!r} is not supported; {NO_FLAGS[name]}")
+        if name not in FLAGS and name not in NO_FLAGS:
+            allowed = ["order", "tip", "bubble", "dirichlet", "dirichletx", "dirichlety", *FLAGS]
+            meant = get_close_matches(name, allowed, 1)
+            raise TypeError(
+                f"CrackFESpace: there is no argument {name!r}{f' (did you mean {meant[0]!r}?)' if meant else ''}; it takes body, {', '.join(allowed)}"
+            )
+
+
+def joined_names(pattern):
+    """One regular expression for a list of them; what is none is left to check_regions."""
+    return "|".join(pattern) if isinstance(pattern, (list, tuple)) and all(isinstance(name, str) for name in pattern) else pattern
 
 
 def check_regions(mesh, pattern, what):
-    """Raises ValueError if a pattern of boundary names matches nothing."""
-    check_type(pattern, str | list | tuple, what, "the name of a boundary, or a regular expression")
+    """Raises TypeError for what is no pattern of boundary names, ValueError if it matches nothing."""
+    check_type(pattern, str, what, "the name of a boundary, or a regular expression")
     if not mesh.Boundaries(pattern).Mask().NumSet():
         raise ValueError(f"{what}={pattern!r} matches no boundary; the mesh has {sorted(set(mesh.GetBoundaries()))}")
 

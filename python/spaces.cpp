@@ -47,12 +47,15 @@ static void ExportCrackFESpace (py::module & m)
                 {
                   py::dict doc = py::type::of<FESpace>().attr("__flags_doc__")();
                   doc["orderinner"] = "order of the functions inside a triangle";
+                  doc["dirichletx"] = "Regular expression of the boundaries on which u_x is fixed.";
+                  doc["dirichlety"] = "Regular expression of the boundaries on which u_y is fixed.";
                   return doc;
                 })
     .def_property_readonly("order", [] (const CrackFESpace & v) { return v.GetOrder(); }, "The order k of the functions φ_i.")
     .def_property_readonly("body", &CrackFESpace::GetBody, "The CrackedMesh.")
     .def_property_readonly("scalar_space", &CrackFESpace::GetScalar, "The scalar space of the functions φ_i.")
     .def_property_readonly("tip_specs", &CrackFESpace::TipSpecs, "For each of body.tips its TipSpec, or None where there are no tip functions.")
+    .def("HeldRegions", &CrackFESpace::HeldRegions, py::arg("component"), "The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.")
     .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside, "The number of Heaviside functions of one component.")
     .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "(i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.")
     .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"), "The number of the crack at which it jumps.")

@@ -1,0 +1,99 @@
+"""Where displacements given on the boundary must fit together: at corners between regions, and at the two faces of a mouth."""
+
+import numpy as np
+from ngsolve import BND
+
+BESIDE = 1e-6  # of an edge: how far beside a mouth a given displacement is read
+AT = 1e-8  # of an edge: a mouth nearer to a vertex is at the vertex
+
+
+class BoundarySamples:
+    """The two ends of each boundary element and, beside them, a point on either side of each mouth.
+
+    Arrays, one row for each point: element, xi (reference coordinate), region, vertex (-1 for points beside mouths), mouth (its number, or -1) and
+    side (±1 beside mouths).    mouths: (number of the crack, arc length) of each.    length: of the boundary elements.
+    """
+
+    def __init__(self, body):
+        self.body = body
+        elements = list(body.mesh.Elements(BND))
+        corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
+        edges = body.mesh.ngmesh.Coordinates()[corners, :2]
+        rows = [[number, xi, vertex, -1, 0] for number, ends in enumerate(corners) for vertex, xi in zip(ends, (1, 0))]
+        self.length = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
+        self.mouths = list(mouths_of(body))
+        for number, (crack, s) in enumerate(self.mouths):
+            point = body.cracks[crack].PointAt(s)
+            for element, at in elements_at(edges, point):
+                for end, xi in ((0, 1), (1, 0)):
+                    if abs(at - xi) < AT:
+                        rows[2 * element + end][3] = number
+                    else:
+                        side = body.cracks[crack].SideOf(tuple(0.5 * (edges[element, end] + point)))
+                        rows.append([element, at + BESIDE * (xi - at), -1, number, int(side)])
+        element, self.xi, vertex, mouth, side = np.array(rows).T
+        self.element, self.vertex, self.mouth, self.side = (column.astype(int) for column in (element, vertex, mouth, side))
+        self.region = np.array([element.index for element in elements])[self.element]
+
+    def Values(self, function, region):
+        """A CoefficientFunction at the points of a region, NaN at the others: (rows, components)."""
+        rows = self.region == region
+        n = np.count_nonzero(rows)
+        points = self.body.mesh(np.full(n, 0.5), np.zeros(n), VOL_or_BND=BND)
+        points["nr"], points["x"], points["y"] = self.element[rows], self.xi[rows], 0
+        values = np.full((len(rows), function.dim), np.nan)
+        values[rows] = function(points).reshape(n, -1)
+        return values
+
+    def Zero(self, region):
+        """Zero at the points of a region, NaN at the others."""
+        return np.where(self.region == region, 0, np.nan)
+
+    def Lengths(self, region, functions):
+        """The length of the part of a region at the vertex of each φ_i; 1 for functions of edges, which belong to one region alone."""
+        ends = np.flatnonzero((self.region == region) & (self.vertex >= 0))
+        of_vertex = np.bincount(self.vertex[ends], self.length[self.element[ends]], minlength=self.body.mesh.nv)
+        return np.where(functions < len(of_vertex), of_vertex[np.minimum(functions, len(of_vertex) - 1)], 1)
+
+    def Corners(self):
+        """Arrays of the rows at each vertex at which regions meet and no crack ends."""
+        rows = np.flatnonzero((self.vertex >= 0) & (self.mouth < 0))
+        rows = rows[np.argsort(self.vertex[rows], kind="stable")]
+        groups = np.split(rows, np.flatnonzero(np.diff(self.vertex[rows])) + 1)
+        return [group for group in groups if len(set(self.region[group])) > 1]
+
+    def NormalJumps(self, sides):
+        """The normal jump n·(u⁺ - u⁻) that is given at each mouth; NaN where it is not given on both faces.
+
+        sides: (region, component) → HeldSide.
+        """
+        jumps = np.zeros(len(self.mouths))
+        for number, (crack, s) in enumerate(self.mouths):
+            tangent = self.body.cracks[crack].TangentAt(s)
+            for component, normal in enumerate((-tangent[1], tangent[0])):
+                if abs(normal) > 1e-8:
+                    jumps[number] += normal * (self._given(sides, number, 1, component) - self._given(sides, number, -1, component))
+        return jumps
+
+    def _given(self, sides, mouth, side, component):
+        """What is given on one face of a mouth, NaN if nothing is."""
+        rows = np.flatnonzero((self.mouth == mouth) & (self.side == side))
+        given = [sides[self.region[row], component].samples[row] for row in rows if (self.region[row], component) in sides]
+        return given[0] if given else np.nan
+
+
+def mouths_of(body):
+    """(number of the crack, arc length) of the ends of cracks on the boundary."""
+    tips = {(tip.crack, round(tip.s / body.cracks[tip.crack].length)) for tip in body.tips}
+    for number, crack in enumerate(body.cracks):
+        for end in range(2):
+            if (number, end) not in tips:
+                yield number, end * crack.length
+
+
+def elements_at(edges, point):
+    """(number, reference coordinate) of the boundary edges (n, 2, 2) on which a point lies; beside a curved boundary that of the nearest chord."""
+    to_first, to_second, length = (np.hypot(*vectors.T) for vectors in (edges[:, 0] - point, edges[:, 1] - point, edges[:, 1] - edges[:, 0]))
+    detour = (to_first + to_second) / length - 1
+    numbers = np.flatnonzero(detour < max(1e-10, (1 + 1e-10) * detour.min()))
+    return zip(numbers, np.minimum(to_second[numbers] / length[numbers], 1))

@@ -1,0 +1,164 @@
+"""The forces of the supports: the residual of the first row of (38), tested with rigid motions."""
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+
+import numpy as np
+from ngsolve import BND, ElementId, GridFunction, x, y
+
+
+@dataclass(frozen=True)
+class Holder:
+    """What fixes some functions φ_i.
+
+    name: of the boundary, or "pin at (x, y)".    dofs: unknowns of φ_i.    shares: which part of the force on each is this one's; those of all holders add
+    up to 1.    point: of a pin.
+    """
+
+    name: str
+    dofs: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    shares: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    point: tuple | None = None
+
+    def __add__(self, other):
+        dofs, position = np.unique(np.concatenate([self.dofs, other.dofs]), return_inverse=True)
+        return Holder(self.name, dofs, np.bincount(position, np.concatenate([self.shares, other.shares]), len(dofs)), self.point)
+
+
+@dataclass(frozen=True)
+class SupportForce:
+    """What one support exerts on the body.
+
+    name: of the boundary, or "pin at (x, y)".    force: (F_x, F_y), stress × length.    moment: about the origin, stress × length².    point: of a pin.
+    """
+
+    name: str
+    force: np.ndarray
+    moment: float
+    point: tuple | None = None
+
+
+class SupportForces(list):
+    """SupportForce rows; prints as a table."""
+
+    @property
+    def total(self):
+        """The SupportForce of all: minus the resultant of the loads."""
+        return SupportForce("all", sum((row.force for row in self), np.zeros(2)), sum(row.moment for row in self))
+
+    def OfBoundaries(self, names):
+        """(F_x, F_y) of the boundaries with some names, zero where they hold nothing."""
+        return sum((row.force for row in self if row.point is None and row.name in names), np.zeros(2))
+
+    def OfPin(self, point):
+        """(F_x, F_y) of the pin at a point; raises ValueError where there is none."""
+        pins = [row for row in self if row.point is not None]
+        for row in pins:
+            if np.shape(point) == (2,) and np.allclose(row.point, point, rtol=1e-8, atol=1e-8 * np.abs(row.point).max()):
+                return row.force
+        raise ValueError(f"Reaction: {point!r} is neither the name of a boundary nor the point of a pin; there are {[row.point for row in pins] or 'no pins'}")
+
+    def __str__(self):
+        rows = [*self, self.total]
+        width = max(len(row.name) for row in rows)
+        lines = [f"{row.name:{width}}  {row.force[0]:14.6g} {row.force[1]:14.6g} {row.moment:14.6g}" for row in rows]
+        return "\n".join([f"{'support':{width}}  {'F_x':>14} {'F_y':>14} {'moment':>14}", *lines])
+
+
+@dataclass(frozen=True)
+class CornerEdge:
+    """An edge of a named boundary at a vertex where it meets another one.
+
+    normal: of the body, outward, as long as the edge.    element: the triangle behind it.    xi, eta: reference coordinates of the point at a third of the edge.
+    """
+
+    name: str
+    vertex: int
+    normal: np.ndarray
+    element: int
+    xi: float
+    eta: float
+
+
+@dataclass(frozen=True)
+class SupportResidual:
+    """What supports exert on a solution of (38).
+
+    holders, edges: what held it, and CornerEdges.    exerted: on each unknown, (K - K_γ) U - (B - C_γ)ᵀ L - F.
+    springs: what the terms of problem.a exert.
+    """
+
+    holders: list
+    edges: list
+    exerted: np.ndarray
+    springs: np.ndarray
+
+    def Forces(self, V, stress):
+        """The SupportForces; stress: σ(u), which says how the force on a corner is divided.
+
+        A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i and Σ y_i φ_i, and neither has a jump: their products
+        with the residual are forces and moment, and only φ_i count.
+        """
+        whole = Holder("springs and joints", np.arange(2 * V.scalar_space.ndof)) if self.springs.any() else None
+        held = [*zip(self.holders, self._divided(V, stress)), *([(whole, self.springs[whole.dofs])] if whole else [])]
+        coordinates = interpolated_coordinates(V)
+        return SupportForces(SupportForce(holder.name, *resultant(V, coordinates, holder.dofs, forces), holder.point) for holder, forces in held)
+
+    def _divided(self, V, stress):
+        """What each holder exerts on each of its unknowns: ∫ φ_i σn where holders meet, and its share of what is left."""
+        tractions, left = self._tractions(V, stress), self.exerted.copy()
+        known = [np.array([tractions.get((holder.name, dof), 0) for dof in holder.dofs]) for holder in self.holders]
+        for holder, part in zip(self.holders, known):
+            left[holder.dofs] -= part
+        return [part + holder.shares * left[holder.dofs] for holder, part in zip(self.holders, known)]
+
+    def _tractions(self, V, stress):
+        """(name, unknown) → ∫ φ_i σn over the corner edges, exact for linear σ."""
+        if not self.edges:
+            return {}
+        points = V.mesh(np.zeros(len(self.edges)), np.zeros(len(self.edges)))
+        points["nr"], points["x"], points["y"] = np.array([(edge.element, edge.xi, edge.eta) for edge in self.edges]).T
+        tractions = defaultdict(float)
+        for edge, sigma in zip(self.edges, stress(points).reshape(-1, 2, 2)):
+            for k in range(2):
+                tractions[edge.name, k * V.scalar_space.ndof + edge.vertex] += 0.5 * sigma[k] @ edge.normal
+        return tractions
+
+
+def corner_edge(mesh, name, boundary_element, vertex):
+    """The CornerEdge of a boundary element at one of its vertices; None inside a body, where two triangles meet it."""
+    ends = [v.nr for v in mesh[ElementId(BND, boundary_element)].vertices]
+    behind = mesh[mesh[ElementId(BND, boundary_element)].edges[0]].elements
+    if len(behind) != 1:
+        return None
+    corners = [v.nr for v in mesh[behind[0]].vertices]
+    points = {number: np.array(mesh.vertices[number].point) for number in corners}
+    along = points[ends[1]] - points[ends[0]]
+    normal = np.array([along[1], -along[0]])
+    inside = points[next(number for number in corners if number not in ends)] - points[ends[0]]
+    weights = [2 / 3 if number == vertex else 1 / 3 if number in ends else 0 for number in corners]
+    return CornerEdge(name, vertex, -normal if normal @ inside > 0 else normal, behind[0].nr, *weights[:2])
+
+
+def interpolated_coordinates(V):
+    """The coefficients of x and y in the functions φ_i, (2, n): on straight elements zero but for the vertices."""
+    coordinates = np.zeros((2, V.scalar_space.ndof))
+    if V.mesh.GetCurveOrder() <= 1:
+        coordinates[:, : V.mesh.nv] = V.mesh.ngmesh.Coordinates()[: V.mesh.nv, :2].T
+        return coordinates
+    function = GridFunction(V.scalar_space)
+    for row, coordinate in zip(coordinates, (x, y)):
+        function.Set(coordinate)
+        row[:] = function.vec.FV().NumPy()
+    return coordinates
+
+
+def resultant(V, coordinates, dofs, forces):
+    """(force, moment) of forces on some unknowns of φ_i."""
+    n, force, moment = V.scalar_space.ndof, np.zeros(2), 0.0
+    for k, sign in ((0, -1), (1, 1)):
+        mine = (dofs >= k * n) & (dofs < (k + 1) * n)
+        functions = dofs[mine] - k * n
+        force[k] = forces[mine][functions < V.mesh.nv].sum()
+        moment += sign * float(coordinates[1 - k, functions] @ forces[mine])
+    return force, moment
