@@ -43,7 +43,7 @@ def check_type(value, types, name, must):
 
 def is_function(value):
     """Whether NGSolve takes a value for a real CoefficientFunction; it does not survive None."""
-    if isinstance(value, (tuple, list)):
+    if isinstance(value, (tuple, list, np.ndarray)):
         return len(value) > 0 and all(map(is_function, value))
     return isinstance(value, Real) or (isinstance(value, CoefficientFunction) and not value.is_complex)
 
@@ -52,7 +52,7 @@ def check_function(value, name, dim):
     """The CoefficientFunction of a value; raises TypeError for what is none, ValueError unless it has `dim` components."""
     if not is_function(value):
         raise TypeError(f"{name}={value!r} is neither a number nor a CoefficientFunction")
-    function = CoefficientFunction(tuple(value) if isinstance(value, list) else value)
+    function = CoefficientFunction(tuple(value) if isinstance(value, (list, np.ndarray)) else value)
     if function.dim != dim:
         raise ValueError(f"{name} has {function.dim} component(s), it must {'be a scalar' if dim == 1 else f'have {dim}'}")
     return function
