@@ -735,11 +735,6 @@ class CrackFESpace(ngsolve.comp.FESpace):
         The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y).
         """
 
-    def HeldRegions(self, component: int) -> pyngcore.BitArray:
-        """
-        The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.
-        """
-
     def HeavisideSide(self, j: int, element: int) -> int:
         """
         The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere.

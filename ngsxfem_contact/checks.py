@@ -23,14 +23,14 @@ def check_gap(system):
         raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
 
 
-def check_load(F, given):
-    """Raises ValueError for a load or given displacements, arrays, that are not finite."""
+def check_load(F, given, who=""):
+    """Raises ValueError for a load or given displacements, arrays, that are not finite.  who: begins the message."""
     for values, what, where in (
         (F, "the load `f`", "its coefficient functions on the whole body"),
         (given, "a given displacement", "Pin and SetDirichlet"),
     ):
         if not np.isfinite(values).all():
-            raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
+            raise ValueError(f"{who}{what} is not finite (NaN or inf): check {where}")
 
 
 def check_rigid_motions(problem):
@@ -46,7 +46,7 @@ def check_rigid_motions(problem):
             "the vertex" if len(free.hinges) == 1 else "the vertices", ", ".join("({:g}, {:g})".format(*point) for point in free.hinges)
         )
     raise SingularSystem(
-        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space, by Pin(...) or by springs in problem.a"
+        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a"
     )
 
 

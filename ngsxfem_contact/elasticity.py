@@ -2,7 +2,7 @@
 
 import re
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace, sqrt
 
@@ -82,6 +82,8 @@ class Elasticity(Isotropic):
     mu: float
     form: str = "plane strain"
     alpha: float = 0.0
+    nu: float = field(init=False, repr=False, compare=False)
+    confined: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         for name in ("lam", "mu", "alpha"):
@@ -92,16 +94,9 @@ class Elasticity(Isotropic):
             )
         if self.form not in FORMS:
             raise ValueError(f"Elasticity: form={self.form!r} is not one of {list(FORMS)}")
-
-    @property
-    def nu(self):
-        """Poisson's ratio."""
-        return self.lam / (2 * (self.lam + self.mu)) if self.form == "plane strain" else self.lam / (self.lam + 2 * self.mu)
-
-    @property
-    def confined(self):
-        """1 in plane strain, 0 in plane stress."""
-        return float(self.form == "plane strain")
+        is_strain = self.form == "plane strain"
+        object.__setattr__(self, "nu", self.lam / (2 * (self.lam + self.mu)) if is_strain else self.lam / (self.lam + 2 * self.mu))
+        object.__setattr__(self, "confined", float(is_strain))
 
     @staticmethod
     def PlaneStrain(E, nu, alpha=0.0):

@@ -20,7 +20,7 @@ class LoadCase:
         self.F = problem.f.Assemble().vec.FV().NumPy().copy()
         self.applied = AppliedLoad.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
-        check_load(self.F, self.given)
+        check_load(self.F, self.given, "LoadCase: ")
 
 
 class LoadSteps:

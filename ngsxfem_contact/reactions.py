@@ -102,7 +102,11 @@ class SupportResidual:
         whole = Holder("springs and joints", np.arange(2 * V.scalar_space.ndof)) if self.springs.any() else None
         held = [*zip(self.holders, self._divided(V, stress)), *([(whole, self.springs[whole.dofs])] if whole else [])]
         coordinates = interpolated_coordinates(V)
-        return SupportForces(SupportForce(holder.name, *resultant(V, coordinates, holder.dofs, forces), holder.point) for holder, forces in held)
+        rows = SupportForces()
+        for holder, forces in held:
+            force, moment = resultant(V, coordinates, holder.dofs, forces)
+            rows.append(SupportForce(holder.name, force, moment, holder.point))
+        return rows
 
     def _divided(self, V, stress):
         """What each holder exerts on each of its unknowns: ∫ φ_i σn where holders meet, and its share of what is left."""

@@ -86,7 +86,7 @@ class Supports:
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
         value, components = given_components(value)
-        regions = np.flatnonzero(list(self.V.mesh.Boundaries(region).Mask()))
+        regions = np.flatnonzero(list(self.V.mesh.Boundaries(region).Mask())).tolist()
         self._check_declared(region, regions, components)
         values, short = projected_trace(self.V, value, region)
         sides = {}

@@ -210,7 +210,7 @@ def test_loads(load):
     problem.f += load * V.TestFunction() * problem.body.dx
     with pytest.raises(ValueError, match=r"the load `f` is not finite \(NaN or inf\)"):
         problem.Solve()
-    with pytest.raises(ValueError, match="LoadCase: the load `f` of the problem is not finite"):
+    with pytest.raises(ValueError, match="LoadCase: the load `f` is not finite"):
         LoadCase(problem)
 
 
