@@ -74,13 +74,14 @@ class VertexCopies:
         return copies
 
     def AcrossCracks(self):
-        """(j, copy, copy): the j-th Heaviside function is the difference between the displacements of two copies."""
+        """(j, copy, copy): the coefficient of the j-th Heaviside function is the jump, the displacement of the first copy minus that of the second."""
         for vertex, functions in self.enriched.items():
             larger = tuple(shift for _, shift, _ in functions)
             for k, (j, shift, _) in enumerate(functions):
                 other = larger[:k] + (-shift,) + larger[k + 1 :]
                 if {(vertex, larger), (vertex, other)} <= self.index.keys():
-                    yield j, self.index[vertex, larger], self.index[vertex, other]
+                    plus, minus = (larger, other)[::shift]
+                    yield j, self.index[vertex, plus], self.index[vertex, minus]
 
 
 def parts_joined_by_edges(corners, copies):
@@ -147,7 +148,7 @@ class RigidMotions:
 
     @staticmethod
     def _of_springs(springs, unknowns, rows):
-        """The forces of springs in the motions, scaled to a unit diagonal: they vanish where no spring resists."""
+        """The square root of the energy of springs, relative to the largest: it vanishes where none resists."""
         if not springs.terms:
             return rows[:0]
         motion, forces = GridFunction(springs.V), []
@@ -155,8 +156,8 @@ class RigidMotions:
             motion.vec[:] = 0
             motion.vec.FV().NumPy()[unknowns] = column
             forces.append(rows.T @ springs.Forces(motion)[unknowns])
-        scale = np.sqrt(np.maximum(np.diag(forces), np.finfo(float).tiny))
-        return np.array(forces) / scale / scale[:, None]
+        energies, modes = np.linalg.eigh(forces)
+        return np.sqrt(np.maximum(energies, 0) / max(energies[-1], np.finfo(float).tiny))[:, None] * modes.T
 
     def Free(self, fixed, springs):
         """The FreeMotion of the part that moves most, or None if all parts are held."""

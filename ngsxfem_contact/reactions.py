@@ -102,11 +102,7 @@ class SupportResidual:
         whole = Holder("springs and joints", np.arange(2 * V.scalar_space.ndof)) if self.springs.any() else None
         held = [*zip(self.holders, self._divided(V, stress)), *([(whole, self.springs[whole.dofs])] if whole else [])]
         coordinates = interpolated_coordinates(V)
-        rows = SupportForces()
-        for holder, forces in held:
-            force, moment = resultant(V, coordinates, holder.dofs, forces)
-            rows.append(SupportForce(holder.name, force, moment, holder.point))
-        return rows
+        return SupportForces(support_force(V, coordinates, holder, forces) for holder, forces in held)
 
     def _divided(self, V, stress):
         """What each holder exerts on each of its unknowns: ∫ φ_i σn where holders meet, and its share of what is left."""
@@ -157,12 +153,12 @@ def interpolated_coordinates(V):
     return coordinates
 
 
-def resultant(V, coordinates, dofs, forces):
-    """(force, moment) of forces on some unknowns of φ_i."""
+def support_force(V, coordinates, holder, forces):
+    """The SupportForce of a Holder; forces: on its unknowns."""
     n, force, moment = V.scalar_space.ndof, np.zeros(2), 0.0
     for k, sign in ((0, -1), (1, 1)):
-        mine = (dofs >= k * n) & (dofs < (k + 1) * n)
-        functions = dofs[mine] - k * n
+        mine = (holder.dofs >= k * n) & (holder.dofs < (k + 1) * n)
+        functions = holder.dofs[mine] - k * n
         force[k] = forces[mine][functions < V.mesh.nv].sum()
         moment += sign * float(coordinates[1 - k, functions] @ forces[mine])
-    return force, moment
+    return SupportForce(holder.name, force, moment, holder.point)

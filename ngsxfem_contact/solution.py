@@ -99,7 +99,7 @@ class ContactSolution:
         return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh) if function else 0.0
 
     def Reactions(self):
-        """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin.
+        """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
 
         `total` of the table and the loads are in balance to round-off. Raises ValueError for a solution that was read from a file.
         """

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from helpers import rectangle
 from netgen.geom2d import SplineGeometry
-from ngsolve import BND, CF, Integrate, Mesh, x, y
+from ngsolve import BND, CF, IfPos, Integrate, Mesh, x, y
 
 from ngsxfem_contact import (
     BarbosaHughes,
@@ -14,8 +14,10 @@ from ngsxfem_contact import (
     CrackedMesh,
     CrackFESpace,
     Elasticity,
+    Jump,
     LoadSteps,
     Nitsche,
+    SingularSystem,
     TipEnrichment,
     TraceSpace,
 )
@@ -145,3 +147,77 @@ def test_places_that_are_none():
     for place in ((0, 1), 3, None, (1, 1, 0)):
         with pytest.raises(ValueError, match=r"is neither the name of a boundary nor the point of a pin; there are \[\(1.0, 1.0\)\]"):
             solution.Reaction(place)
+
+
+# Springs
+
+
+def bed(u, v, body, stiffness=2.0):
+    return stiffness * (1 + x) * u * v * body.ds("bottom", bonus_intorder=2)
+
+
+@pytest.mark.parametrize("method", METHODS[:2], ids=["BarbosaHughes", "Nitsche"])
+def test_a_body_on_springs_alone(method):
+    problem = loaded(2, **method)
+    u, v = problem.V.TnT()
+    problem.a += bed(u, v, problem.body)
+    solution = problem.Solve()
+    (row,) = solution.Reactions()
+    assert row.name == "springs and joints"
+    forces = [-Integrate(2 * (1 + x) * solution.u[k] * problem.body.ds("bottom", bonus_intorder=4), MESH) for k in range(2)]
+    assert row.force == pytest.approx(forces, rel=1e-9)
+    check_balance(solution)
+
+
+def test_springs_and_supports():
+    problem = loaded(2, held=dict(dirichlet="left"))
+    u, v = problem.V.TnT()
+    problem.a += bed(u, v, problem.body) + 0.5 * u * v * problem.body.dx
+    problem.a += 3 * Jump(u) * Jump(v) * problem.body.dcrack  # holds nothing
+    solution = problem.Solve()
+    assert [row.name for row in solution.Reactions()] == ["left", "springs and joints"]
+    check_balance(solution)
+
+
+def test_springs_that_leave_a_motion_free():
+    problem = loaded(1)
+    u, v = problem.V.TnT()
+    problem.a += u[1] * v[1] * problem.body.ds("bottom")
+    with pytest.raises(SingularSystem, match="1 rigid motion"):
+        problem.Solve()
+    problem.a += 1e-3 * u[0] * v[0] * problem.body.ds("top")
+    check_balance(problem.Solve())
+
+
+def test_a_joint_holds_a_part_that_a_crack_cuts_off():
+    body = CrackedMesh(MESH, Crack([(0, 0.47), (1, 0.52)]))
+    V = CrackFESpace(body, order=1, dirichlet="bottom")
+    problem = ContactProblem(V, TraceSpace(body, order=0), MATERIAL)
+    u, v = V.TnT()
+    problem.f += CF((0.1, 1)) * v * body.ds("top")
+    with pytest.raises(SingularSystem, match="3 rigid motion"):
+        problem.Solve()
+    problem.a += 0.5 * Jump(u) * Jump(v) * body.dcrack
+    assert problem.Solve().Reactions().total.force == pytest.approx((-0.1, -1))
+
+
+@pytest.mark.parametrize("height", [0.3, 0.7])
+@pytest.mark.parametrize("turn", [1, -1])
+def test_springs_hold_one_side_of_a_crack_only(height, turn):
+    """On the left, above the crack; the part below is free, whichever is larger and wherever the normal points."""
+    body = CrackedMesh(MESH, Crack([(0, height), (1, height + 0.02)][::turn]))
+    V = CrackFESpace(body, order=1)
+    problem = ContactProblem(V, TraceSpace(body, order=0), MATERIAL)
+    u, v = V.TnT()
+    problem.a += IfPos(y - height, 1, 0) * u * v * body.ds("left|top")
+    with pytest.raises(SingularSystem, match=r"3 rigid motion\(s\) of one of the 2 parts .* around \(0.5, 0.[123456]"):
+        problem.Solve()
+
+
+def test_springs_that_resist_by_round_off_only():
+    problem = loaded(1)
+    u, v = problem.V.TnT()
+    n = CF((1e-17, 1))
+    problem.a += (u * n) * (v * n) * problem.body.ds("bottom|top")
+    with pytest.raises(SingularSystem, match="1 rigid motion"):
+        problem.Solve()
