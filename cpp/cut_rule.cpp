@@ -265,7 +265,7 @@ namespace ngsxfem_contact
         ra = Norm(Point(a-tip->tip));
         rb = Norm(Point(b-tip->tip));
       }
-    bool radial = tip && std::abs(rb-ra-length) <= 1e-9*length;     // not beyond a kink
+    bool radial = tip && rb-ra >= 0.8*length;                       // not beyond a kink that the tip's functions do not follow
     if (!radial)
       {
         Gauss(0, 1, n, [&] (double t, double w) { rule.push_back({ Lerp(a, b, t), w*length }); });
@@ -277,6 +277,6 @@ namespace ngsxfem_contact
     auto radii = Breakpoints(ra, rb, breaks);
     for (size_t i = 0; i+1 < radii.size(); i++)
       Gauss(sqrt(radii[i]), sqrt(radii[i+1]), tip->RadialPoints(order), [&] (double s, double w)
-      { rule.push_back({ Point(a + (s*s-ra)/length*d), w*2*s }); });
+      { rule.push_back({ Point(a + (s*s-ra)/(rb-ra)*d), w*2*s*length/(rb-ra) }); });
   }
 }

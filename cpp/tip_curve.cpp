@@ -3,6 +3,21 @@
 
 namespace ngsxfem_contact
 {
+  namespace
+  {
+    /// Between the pieces that meet at the i-th point.
+    double TurnAt (const Crack & curve, size_t i)
+    {
+      double s = curve.ArcLength(i);
+      Point a = curve.Tangent(i-1, s), b = curve.Tangent(i, s);
+      return atan2(Cross(a, b), Dot(a, b));
+    }
+
+    constexpr double followed_turn = 5*M_PI/180;
+
+    bool Ends (const Crack & curve, size_t i) { return curve.IsKink(i) && std::abs(TurnAt(curve, i)) > followed_turn; }
+  }
+
   TipCurve :: TipCurve (const Crack & curve, bool aat_end) : at_end(aat_end)
   {
     size_t last = at_end ? curve.NumSegments()-1 : 0;
@@ -13,7 +28,7 @@ namespace ngsxfem_contact
     auto & piece = curve.Piece(last);
     double k = piece.Curvature(s-curve.ArcLength(last));
     curvature = piece.IsStraight() ? 0 : at_end ? -k : k;
-    bool alone = curve.NumSegments() == 1 || curve.IsKink(at_end ? last : 1);
+    bool alone = curve.NumSegments() == 1 || Ends(curve, at_end ? last : 1);
     if (!(alone ? piece.Description().first != "cubic" : SmoothPartIsStraight(curve))) crack = std::make_shared<Crack>(curve);
     FindReach(curve);
   }
@@ -21,7 +36,7 @@ namespace ngsxfem_contact
   size_t TipCurve :: EndOfSmoothPart (const Crack & curve) const
   {
     size_t i = at_end ? curve.NumSegments()-1 : 0;
-    while (at_end ? i > 0 && !curve.IsKink(i) : i+1 < curve.NumSegments() && !curve.IsKink(i+1))
+    while (at_end ? i > 0 && !Ends(curve, i) : i+1 < curve.NumSegments() && !Ends(curve, i+1))
       at_end ? i-- : i++;
     return i;
   }
@@ -30,7 +45,7 @@ namespace ngsxfem_contact
   {
     auto [first, last] = std::minmax({ EndOfSmoothPart(curve), at_end ? curve.NumSegments()-1 : 0 });
     for (size_t i = first; i <= last; i++)
-      if (!curve.IsStraight(i)) return false;
+      if (!curve.IsStraight(i) || (i > first && curve.IsKink(i))) return false;
     return true;
   }
 
@@ -44,7 +59,9 @@ namespace ngsxfem_contact
         auto samples = piece.IsStraight() ? std::vector<double> { 0, 0.5*piece.Length(), piece.Length() } : piece.Samples(0.02);
         if (at_end) std::reverse(samples.begin(), samples.end());
         double t_near = at_end ? piece.End() : 0;
-        arms.push_back({ i, reach, reach, t_near, t_near });
+        size_t joint = at_end ? i+1 : i;
+        double turn = arms.empty() || !curve.IsKink(joint) ? 0 : TurnAt(curve, joint), lag = arms.empty() ? 0 : arms.back().lag;
+        arms.push_back({ i, reach, reach, t_near, t_near, lag + (at_end ? -turn : turn)*reach });
         for (double s : samples)
           {
             Point d = piece.PointAt(s)-tip, t = piece.Tangent(s);
@@ -64,7 +81,9 @@ namespace ngsxfem_contact
   double TipCurve :: CurvatureLimit () const
   {
     if (!crack) return curvature ? 0.5/std::abs(curvature) : std::numeric_limits<double>::infinity();
-    double largest = 0;
+    double largest = 0, turn = 0;
+    for (size_t i = 1; i < arms.size(); i++)
+      if ((turn += std::abs(arms[i].lag-arms[i-1].lag)/arms[i].near) > 0.5) return arms[i].near;
     constexpr int n = 200;
     for (int i = 0; i <= n; i++)
       {
@@ -100,6 +119,7 @@ namespace ngsxfem_contact
     Point e = 1/now * d;
     double along = Dot(e, t), across = Cross(e, t);
     double slope = now < 1e-6*reach ? 0.5*curvature : across/(now*along);
-    return { { -Dot(e, ahead), -Dot(e, Left(ahead)), slope }, { -Dot(t, ahead), -Dot(t, Left(ahead)), k/along } };
+    Point b = arm.lag ? Point(cos(arm.lag/now)*t - sin(arm.lag/now)*Left(t)) : t;
+    return { { -Dot(e, ahead), -Dot(e, Left(ahead)), slope }, { -Dot(b, ahead), -Dot(b, Left(ahead)), k/along + arm.lag/(now*now) } };
   }
 }

@@ -3,6 +3,7 @@
 //
 // At distance r behind the tip the crack lies at tip + r R(α(r)) (-ahead), R a rotation. Turning each circle around the tip
 // by -α(r) makes the crack straight; this keeps r and areas, and is the identity where the crack is straight.
+// Kinks of less than 5° are followed like curves: a short last piece that hardly turns leaves the functions their room.
 
 #include "crack.hpp"
 #include <bla.hpp>
@@ -20,13 +21,15 @@ namespace ngsxfem_contact
     double reach;                            // where r stops to grow along the crack, or a kink comes
     double s_reach;                          // arc length from the tip to there
     /// Part of a piece along which the distance from the tip grows: distances and parameters of its ends.
-    struct Arm { size_t piece; double near, far, t_near, t_far; };
+    /// lag: Σ δ d over the kinks before it, of the turns δ at distances d.
+    struct Arm { size_t piece; double near, far, t_near, t_far, lag; };
     std::vector<Arm> arms;
 
   public:
     /// A rotation: cos, sin and the derivative of its angle by r.
     template <typename T> struct Turn { T cos, sin, slope; };
-    /// By α to the crack's point at distance r, and by β to its direction there: its tangent is R(β) (-ahead).
+    /// By α to the crack's point at distance r, and by β to its direction there: its tangent is R(β) (-ahead). At a kink β does not
+    /// jump with the tangent, but follows it by δ (1 - d/r), as α does.
     template <typename T> struct Turns { Turn<T> point, direction; };
 
     /// The end of a crack: at_end = false: the first.
@@ -70,7 +73,7 @@ namespace ngsxfem_contact
       return { Point(tip - r*(c*ahead + s*Left(ahead))), std::hypot(1.0, r*slope) };
     }
 
-    /// Where the largest curvature between here and the tip is half of 1/r: disks should end there.
+    /// Where the largest curvature between here and the tip is half of 1/r, or its kinks turn by half: disks should end there.
     double CurvatureLimit () const;
 
   private:

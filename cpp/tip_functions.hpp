@@ -60,7 +60,7 @@ namespace ngsxfem_contact
       if (spec.basis == TipBasis::Modes)
         EvaluateModes(chi, C, S, R, values);
       else
-        EvaluateBranch(chi, C, S, y/R, values);
+        EvaluateBranch(chi, C, S, y/R, R, values);
     }
 
     template <typename T>
@@ -105,7 +105,7 @@ namespace ngsxfem_contact
       y = v;
     }
 
-    /// Turned by the angle β of the crack's direction at distance r: jumps of the modes are normal and tangential all along.
+    /// Turned by the angle β of the crack's direction at distance r: normal and tangential jumps stay so all along.
     template <typename T>
     void TurnFrame (AutoDiff<2,T> r, std::array<AutoDiff<2,T>,2> & field) const
     {
@@ -139,16 +139,18 @@ namespace ngsxfem_contact
       return { C, S };
     }
 
-    /// The 4 functions of (8), each in the x and in the y component: 8 vector fields.
+    /// The 4 functions of (8), each in the x and in the y component: 8 vector fields, turned with the crack.
     template <typename T>
-    static void EvaluateBranch (AutoDiff<2,T> chi, AutoDiff<2,T> C, AutoDiff<2,T> S, AutoDiff<2,T> sine, Vec<2,AutoDiff<2,T>> * values)
+    void EvaluateBranch (AutoDiff<2,T> chi, AutoDiff<2,T> C, AutoDiff<2,T> S, AutoDiff<2,T> sine, AutoDiff<2,T> r, Vec<2,AutoDiff<2,T>> * values) const
     {
       std::array<AutoDiff<2,T>,4> F { chi*S, chi*C, chi*S*sine, chi*C*sine };
       for (int j = 0; j < 4; j++)
         for (int k = 0; k < 2; k++)
           {
-            values[2*j+k](k) = F[j];
-            values[2*j+k](1-k) = AutoDiff<2,T>(T(0.));
+            std::array<AutoDiff<2,T>,2> field { AutoDiff<2,T>(T(0.)), AutoDiff<2,T>(T(0.)) };
+            field[k] = F[j];
+            if (!curve.IsStraight()) TurnFrame(r, field);
+            for (int i = 0; i < 2; i++) values[2*j+k](i) = field[i];
           }
     }
 
