@@ -9,12 +9,16 @@ import numpy as np
 
 from ._ngsxfem_contact import Crack, CrackedMesh
 from .arguments import check_number, check_positive, check_whole
+from .errors import SingularSystem
 from .files import write_whole
 from .progress import doing
+from .resolution import warn_of_short_increment
 from .spaces import crack_points
-from .tip_fields import TipFrame
+from .tip_fields import TipFrame, distance_along
 
 ENDS = ("start", "end")
+GROWS, WAITS = "grows", "waits: it grows less than half an increment"
+ROOM = 2.5  # elements between a new tip and what is next
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,11 @@ class Paris:
 
 @dataclass
 class TipStep:
-    """One tip in one step. angle: of growth, in degrees from ahead; advance: in this step; state: "grew" or why it did not."""
+    """One tip in one state of the cracks.
+
+    length, K_I, K_II, error, driving: of this state.    cycles: that led to it; 0 at first.
+    angle, advance: where the tip goes from here, in degrees from ahead and in length.    state: "grows", or why it does not.
+    """
 
     step: int
     crack: int
@@ -115,8 +123,13 @@ class CrackGrowth:
     cracks: the first cracks, a list of Crack.    law: GivenIncrement(da) or Paris(C, m, da).
     criterion: MaximumHoopStress() or WingCracks(), or an object with grows_closed, Angle and Driving.
     toughness: tips with less Driving stay as they are, in stress × √length; default 0.
-    da should be three elements or more: the singular functions have room on the last straight part only.
-    Every step is solved from the unloaded body: friction has no memory of the steps before.
+    da should be three elements or more, AccuracyWarning says where it is less: behind a turn the tip's functions have room on the new part only.
+    A turn that the error of K_II may have made is none: the tip goes straight on, without a kink.
+    A tip that comes within 2.5 elements of ∂Ω cuts through to it; where that leaves a part of the body free to move, the growth ends.
+    Every state is solved from the unloaded body: friction has no memory of the states before.
+
+    cracks: those of the last rows.    rows: a TipStep for each tip of each state, at the end of those that cut through.
+    solutions: of the states.    cycles: that led to the last one.
     """
 
     def __init__(self, make_problem, cracks, law, criterion=MaximumHoopStress(), toughness=0.0):
@@ -130,54 +143,74 @@ class CrackGrowth:
         self.make_problem, self.cracks, self.law, self.criterion, self.toughness = make_problem, list(cracks), law, criterion, toughness
         self.solutions, self.rows = [], []
         self.cycles = 0.0
+        self._next = self.cracks, self.cycles  # of the next state
         self._ended, self._owed = {}, {}  # by (crack, end): why a tip stopped for good; advance not yet made
+        self._cut = {}  # by (crack, end): where it went through ∂Ω
+        self._warned = False
 
     def Run(self, steps):
-        """At most so many steps, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
+        """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
         check_whole(steps, "CrackGrowth: steps", 0)
         for number in range(steps):
             with doing(f"crack growth, step {number + 1} of at most {steps}"):
-                if not any(row.advance for row in self.Step()):
+                if not any(row.state == GROWS or row.state == WAITS for row in self.Step()):
                     break
         return self.table
 
     def Step(self):
-        """One solve and one growth; returns the TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
-        problem = self.make_problem(self.cracks)
+        """The next state: growth as the last rows say, one solve; returns its TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
+        cracks, cycles = self._next
+        rows = [TipStep(self._count, *key, *point, cracks[key[0]].length, cycles=cycles, state=self._ended[key]) for key, point in self._cut.items()]
+        try:
+            rows = self._solved(cracks, cycles) + rows
+        except SingularSystem:
+            if not self._cut:
+                raise  # otherwise a part of the body is cut off, and free
+        self.cracks, self.cycles = cracks, cycles
+        self.rows += rows
+        return rows
+
+    @property
+    def _count(self):
+        """The number of states so far."""
+        return self.rows[-1].step + 1 if self.rows else 0
+
+    def _solved(self, cracks, cycles):
+        """The rows of the tips of a state; plans the next one."""
+        problem = self.make_problem(cracks)
         if not hasattr(problem, "Solve"):
             raise TypeError(f"CrackGrowth: make_problem returned {problem!r}; it must return a ContactProblem")
         solution = problem.Solve()
         rows = [self._evaluate(solution, number) for number in range(len(solution.body.tips))]
+        self._next = cracks, cycles
         growing = [row for row in rows if not row.state]
         if growing:
-            advances, cycles = self.law.Advances([row.driving for row in growing])
-            self.cycles += cycles
+            advances, more = self.law.Advances([row.driving for row in growing])
+            self._next = cracks, cycles + more
             for row, advance in sorted(zip(growing, advances), key=lambda pair: -pair[0].driving):
                 self._grow(solution, row, float(advance))
         for row in rows:
-            row.cycles = self.cycles
+            row.cycles = cycles
         self.solutions.append(solution)
-        self.rows += rows
         return rows
 
     def _evaluate(self, solution, number):
         """Factors and driving force of a tip; a state if it does not grow."""
         tip = solution.body.tips[number]
-        crack, end = tip.crack, ENDS[int(tip.s > 0)]
-        (x, y), length = tip.point, solution.body.cracks[crack].length
-        row = TipStep(len(self.solutions), crack, end, x, y, length, state=self._ended.get((crack, end), ""))
-        if row.state:
-            return row
+        key = tip.crack, ENDS[int(tip.s > 0)]
+        row = TipStep(self._count, *key, *tip.point, solution.body.cracks[tip.crack].length, state=self._ended.get(key, ""))
         try:
             factors = solution.StressIntensity(number)
         except ValueError as no_room:
-            row.state = self._ended[crack, end] = f"stopped: {no_room}"
+            row.state = self._ended[key] = row.state or f"stopped: {no_room}"
             return row
         row.K_I, row.K_II, row.error = factors.K_I, factors.K_II, factors.error
         closed = row.K_I <= row.error or is_closed(solution, number)  # K_I < 0 is contact that the mesh does not resolve
         K = (0.0 if closed else row.K_I, row.K_II)
-        row.driving, row.angle = self.criterion.Driving(*K), degrees(self.criterion.Angle(*K))
-        row.state = self._arrest(row, closed)
+        row.driving = self.criterion.Driving(*K)
+        if abs(row.K_II) > row.error:
+            row.angle = degrees(self.criterion.Angle(*K))
+        row.state = row.state or self._arrest(row, closed)
         return row
 
     def _arrest(self, row, closed):
@@ -188,39 +221,50 @@ class CrackGrowth:
         return ""
 
     def _grow(self, solution, row, advance):
-        """Extends the crack, unless the new tip would not fit; small advances wait until they add up to half of da."""
+        """Extends the crack of the next state, unless the new tip would not fit; small advances wait until they add up to half of da."""
         key = (row.crack, row.end)
         advance += self._owed.pop(key, 0.0)
         if advance < 0.5 * self.law.da:
             self._owed[key] = advance
-            row.state = "waits: it grows less than half an increment"
+            row.state = WAITS
             return
+        cracks, cycles = self._next
+        frame = TipFrame(solution.body, tip_number(solution.body, *key))
+        self._warned = self._warned or warn_of_short_increment(solution.body, frame.tip, advance)
         obstacles = []
-        for trial in self._trials(solution, row, advance):
+        for trial in trials(cracks, row, frame, advance):
             try:
                 check_room(CrackedMesh(solution.body.mesh, *trial), solution.problem.material, *key)
             except Exception as obstacle:  # of the core: the new part leaves the body, meets a crack, or has no room
                 obstacles.append(obstacle)
             else:
-                self.cracks, row.advance, row.state = trial, advance, "grew"
+                self._next, row.advance, row.state = (trial, cycles), advance, GROWS
                 return
-        row.state = self._ended[key] = f"stopped: {obstacles[0]}"
+        if not self._cuts_through(solution, row, frame, advance):
+            row.state = self._ended[key] = f"stopped: {obstacles[0]}"
 
-    def _trials(self, solution, row, advance):
-        """The cracks with the new part; then with the kink up to an element further ahead: a crack may pass an element once only."""
-        number = next(i for i, tip in enumerate(solution.body.tips) if (tip.crack, ENDS[int(tip.s > 0)]) == (row.crack, row.end))
-        frame = TipFrame(solution.body, number)
-        tip, ahead = np.array(frame.tip.point), np.array(frame.tip.ahead)
-        turn = row.angle * pi / 180
-        direction = cos(turn) * ahead + sin(turn) * np.array([-ahead[1], ahead[0]])
-        for shift in min(frame.h, 0.5 * advance) * np.linspace(0, 1, 9):
-            kink = tip + shift * ahead
-            crack = extended(self.cracks[row.crack], row.end, tuple(kink), tuple(kink + (advance - shift) * direction))
-            yield [crack if i == row.crack else other for i, other in enumerate(self.cracks)]
+    def _cuts_through(self, solution, row, frame, advance):
+        """Whether the way ahead ends at ∂Ω before the advance, or so soon after it that no tip fits between; then the next state is cut there."""
+        cracks, cycles = self._next
+        point, direction = np.array(frame.tip.point), turned(frame, row.angle)
+        way = distance_along(solution.body.mesh, point, direction)
+        if way > advance + ROOM * frame.h:
+            return False
+        longer = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, None if row.angle == 0 else tuple(point), tuple(point + way * direction)))
+        try:
+            if any((tip.crack, ENDS[int(tip.s > 0)]) == (row.crack, row.end) for tip in CrackedMesh(solution.body.mesh, *longer).tips):
+                return False
+        except Exception:  # of the core, as in _grow
+            return False
+        key = row.crack, row.end
+        self._next, row.advance, row.state = (longer, cycles), way, GROWS
+        self._cut[key] = end = tuple(map(float, point + way * direction))
+        self._ended[key] = f"has cut the body: it reached the boundary at ({end[0]:.6g}, {end[1]:.6g})"
+        return True
 
     @property
     def table(self):
-        """A numpy structured array with the fields of TipStep, one row for each step and tip."""
+        """A numpy structured array with the fields of TipStep, one row for each state and tip."""
         types = [(name, "U200" if f.type is str else f.type) for name, f in TipStep.__dataclass_fields__.items()]
         return np.array([tuple(vars(row).values()) for row in self.rows], dtype=types)
 
@@ -243,34 +287,62 @@ class CrackGrowth:
         return write_whole(Path(path), write)
 
     def Animate(self, path, scale=None, seconds=0.5):
-        """Writes the opened body of every step as an animated GIF (needs matplotlib with pillow); returns the path."""
+        """Writes the opened body of every state as an animated GIF (needs matplotlib with pillow); returns the path."""
         from .plotting import animate
 
         if not self.solutions:
             raise ValueError("CrackGrowth: there is no step to show; call Run(steps) first")
-        titles = [f"step {i}, " + ", ".join(f"K_I {r.K_I:.3g}  K_II {r.K_II:.2g}" for r in self.rows if r.step == i) for i in range(len(self.solutions))]
+        titles = [f"step {i}, " + ", ".join(f"K_I {r.K_I:.3g}  K_II {r.K_II:.2g}" for r in self.rows if r.step == i and r.K_I == r.K_I) for i in range(len(self.solutions))]
         return animate(self.solutions, path, titles, scale, seconds)
 
 
+def trials(cracks, row, frame, advance):
+    """The cracks with the new part; with a kink also with it up to an element further ahead: a crack may pass an element once only."""
+    tip, ahead, direction = np.array(frame.tip.point), np.array(frame.tip.ahead), turned(frame, row.angle)
+    if row.angle == 0:
+        yield with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, None, tuple(tip + advance * direction)))
+        return
+    for shift in min(frame.h, 0.5 * advance) * np.linspace(0, 1, 9):
+        kink = tip + shift * ahead
+        yield with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tuple(kink), tuple(kink + (advance - shift) * direction)))
+
+
+def turned(frame, angle):
+    """The direction at an angle in degrees from ahead of a tip."""
+    ahead, turn = np.array(frame.tip.ahead), angle * pi / 180
+    return cos(turn) * ahead + sin(turn) * np.array([-ahead[1], ahead[0]])
+
+
+def with_crack(cracks, number, crack):
+    """The list with one crack replaced."""
+    return [crack if i == number else other for i, other in enumerate(cracks)]
+
+
 def extended(crack, end, kink, tip):
-    """The crack with its start or end moved to a kink, and a straight new part from there to a tip."""
+    """The crack with a straight new part up to a tip, from a kink at or ahead of its start or end; kink=None: its last straight piece is prolonged."""
+    between = [] if kink is None else [kink]
     if all(kind == "segment" for kind, _ in crack.pieces):
-        return Crack([tip, kink, *crack.points[1:]] if end == "start" else [*crack.points[:-1], kink, tip])
+        return Crack([tip, *between, *crack.points[1:]] if end == "start" else [*crack.points[:-1], *between, tip])
     old = crack.points[0 if end == "start" else -1]
-    new = [old, kink, tip] if np.hypot(*np.subtract(kink, old)) > 1e-9 * crack.length else [old, tip]
+    new = [old, tip] if kink is None or np.hypot(*np.subtract(kink, old)) <= 1e-9 * crack.length else [old, kink, tip]
     return Crack.Join(Crack(new[::-1]), crack) if end == "start" else Crack.Join(crack, Crack(new))
+
+
+def tip_number(body, crack, end):
+    """The place of a crack's end in body.tips. Raises ValueError if it is none."""
+    for number, tip in enumerate(body.tips):
+        if (tip.crack, ENDS[int(tip.s > 0)]) == (crack, end):
+            return number
+    raise ValueError(f"the {end} of crack {crack} would lie on the boundary")
 
 
 def check_room(body, material, crack, end):
     """Raises ValueError unless this end of the crack is a tip with a disk of two elements around it."""
-    for number, tip in enumerate(body.tips):
-        if (tip.crack, ENDS[int(tip.s > 0)]) == (crack, end):
-            frame = TipFrame(body, number)
-            room, limit = frame.Clearance(material)
-            if room <= 2.5 * frame.h:
-                raise ValueError(f"the new tip {tip.point} would be {room:.4g} from {limit}, less than 2.5 elements (h = {frame.h:.4g})")
-            return
-    raise ValueError(f"the {end} of crack {crack} would lie on the boundary")
+    number = tip_number(body, crack, end)
+    frame = TipFrame(body, number)
+    room, limit = frame.Clearance(material)
+    if room <= ROOM * frame.h:
+        raise ValueError(f"the new tip {body.tips[number].point} would be {room:.4g} from {limit}, less than {ROOM} elements (h = {frame.h:.4g})")
 
 
 def is_closed(solution, number):

@@ -107,11 +107,27 @@ class TipFrame:
         return min(found)
 
 
+def boundary_segments(mesh):
+    """Their two ends, (n, 2) each, without those of inner interfaces."""
+    outer = [el for el in mesh.Elements(BND) if len(mesh[el.edges[0]].elements) == 1]
+    return tuple(np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
+
+
 def distance_to_boundary(mesh, point):
     """Of a point from ∂Ω, without inner interfaces."""
-    outer = [el for el in mesh.Elements(BND) if len(mesh[el.edges[0]].elements) == 1]
-    a, b = (np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
-    return distance_to_segments(a, b, point)
+    return distance_to_segments(*boundary_segments(mesh), point)
+
+
+def distance_along(mesh, point, direction):
+    """From a point inside in a direction of unit length to ∂Ω."""
+    a, b = boundary_segments(mesh)
+    side = b - a
+    across = direction[0] * side[:, 1] - direction[1] * side[:, 0]
+    across = np.where(across == 0, np.nan, across)
+    start = a - point
+    way = (start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / across
+    share = (start[:, 0] * direction[1] - start[:, 1] * direction[0]) / across
+    return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min()
 
 
 def distance_to_others(mesh, point, material):

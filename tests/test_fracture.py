@@ -89,7 +89,7 @@ def test_the_modes_follow_a_bent_crack():
 
 
 @pytest.mark.parametrize("exact, K", [(cf.open_tip(MATERIAL), (1, 0)), (cf.slipping_tip(MATERIAL), (0, 1))], ids="bc")
-@pytest.mark.parametrize("tip", [TIP, TipEnrichment()], ids=["modes", "branch"])
+@pytest.mark.parametrize("tip", [TIP, TipEnrichment(functions="branch")], ids=["modes", "branch"])
 @pytest.mark.parametrize("ends", [(MOUTH, 0), (0, MOUTH)], ids=["end", "start"])
 def test_closed_forms(exact, K, tip, ends):
     """(c): the pressure p = 1 on the lips must cancel, K_I = 1.6 of it if it were left out; what is left is that of λ_h."""
@@ -166,7 +166,7 @@ def test_infinite_plate(name, maxh, pair, tolerance):
     for tip in range(2):
         factors = solution.StressIntensity(tip)
         assert np.allclose(tuple(factors), (plate.K_I, plate.K_II), atol=tolerance * largest)
-        assert factors.error < tolerance * largest
+        assert np.abs(np.subtract(tuple(factors), (plate.K_I, plate.K_II))).max() < factors.error < 2 * tolerance * largest
     assert np.allclose(solution.Profile().sigma_n[5:-5], plate.sigma_n, atol=0.05)
 
 
