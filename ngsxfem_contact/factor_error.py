@@ -11,7 +11,8 @@ def reported_error(K, scale, integrals, u, doubt, distance):
     K: (n, 2), of the disks of `integrals`, the largest first.    scale: I(u, mode) × scale is K.    u: the TipField.
     doubt: change of K with the pressure, in absolute values along the lips.    distance: see `from_modes`.
     """
-    return float(max(SPREAD * np.ptp(K, axis=0).max(), from_energy(K[-1], scale * integrals[-1](u, u)), *doubt, ROOM * distance))
+    energetic = (from_energy(factors, scale * I(u, u)) for factors, I in zip(K, integrals))
+    return float(max(SPREAD * np.ptp(K, axis=0).max(), *energetic, *doubt, ROOM * distance))
 
 
 def from_energy(K, squared):

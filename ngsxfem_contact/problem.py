@@ -15,6 +15,7 @@ from .friction import Friction, Frictionless
 from .load import LoadForm, StiffnessForm, load_form
 from .operators import Gradient, Minus, Plus
 from .solver import solve
+from .spaces import decide
 from .stabilisation import BarbosaHughes, Unstabilised, softened
 from .supports import Supports
 
@@ -41,10 +42,22 @@ def given_stresses(material, initial_stress, temperature):
         yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
 
 
+def material_of(V, material):
+    """The one that is given, or that of V. Raises TypeError if there is none, ValueError if they are two."""
+    own = getattr(V, "material", None)
+    if material is None and own is None:
+        raise TypeError("ContactProblem: there is no material; give CrackFESpace(..., material=Elasticity...), or ContactProblem(V, W, material)")
+    material = own if material is None else material
+    check_type(material, Isotropic, "ContactProblem: material", "an Elasticity")
+    if own is not None and getattr(material, "regions", material) != getattr(own, "regions", own):
+        raise ValueError(f"ContactProblem: material={material} is another one than {own} of CrackFESpace(material=...); say it once, to V")
+    return material
+
+
 class ContactProblem:
     """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
 
-    V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity, or Elasticity.ByRegion(...).
+    V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity, or Elasticity.ByRegion(...); default that of V.
     stabilisation: BarbosaHughes(...) (default: chooses γ itself), None, or Nitsche(theta): no multiplier, W presents the pressure.
     cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
@@ -70,7 +83,7 @@ class ContactProblem:
     -1.000000
     """
 
-    def __init__(self, V, W, material, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None, initial_stress=None, temperature=None):
+    def __init__(self, V, W, material=None, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None, initial_stress=None, temperature=None):
         check_type(V, core.CrackFESpace, "ContactProblem: V", "a CrackFESpace")
         check_type(W, core.TraceSpace, "ContactProblem: W", "a TraceSpace")
         if V.body is not W.body:
@@ -81,11 +94,12 @@ class ContactProblem:
             check_function(gap, "ContactProblem: gap", 1)
         else:
             check_number(gap, "ContactProblem: gap", lambda gap: 0 <= gap < INFINITY, "be a finite number >= 0 (the faces do not overlap at first)")
-        check_type(material, Isotropic, "ContactProblem: material", "an Elasticity")
+        material = material_of(V, material)
         if stabilisation is not None and (not hasattr(stabilisation, "Gamma") or isinstance(stabilisation, type)):
             raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
         if friction is not None and not isinstance(friction, Friction):
             raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
+        decide(V, material)
         check_modes(V, material)
         self.V, self.W, self.material = V, W, material
         self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()

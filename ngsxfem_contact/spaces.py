@@ -1,6 +1,6 @@
 """The spaces: V_h of displacements (section 3 of docs/method.md) and W_h of multipliers (section 4)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -10,8 +10,12 @@ from scipy.sparse.linalg import eigsh
 
 from . import _ngsxfem_contact as core
 from .arguments import INFINITY, check_number, check_positive, check_type, check_whole
-from .elasticity import Isotropic
+from .elasticity import Elasticity, Isotropic
+from .resolution import place, warn, warn_of_coarse
 from .tip_disk import largest_disk
+
+
+UNKNOWN = Elasticity.PlaneStrain(E=2.6, nu=0.3)  # μ = 1: the modes at a tip until its material is known
 
 
 @dataclass(frozen=True)
@@ -22,9 +26,9 @@ class TipEnrichment:
         elements and, for the modes, to other materials.    r0: default r1 / 50.
     cutoff: "quintic" (χ is C²) or "cubic" (C¹).
     material: with an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress
-        intensity factors and whose lips are free of traction: 2 unknowns for each tip. Without one, the four scalar
-        functions (8) of [AHLMR12] in each component: 8 unknowns.
-    functions: "modes" or "branch" (8) to choose explicitly; default: modes with a material.
+        intensity factors and whose lips are free of traction: 2 unknowns for each tip. Default: that of CrackFESpace(material=...).
+    functions: "modes", or "branch" for the four scalar functions (8) of [AHLMR12] in each component, 8 unknowns, whose lips carry
+        tractions: in contact pressures and K_I are less accurate. Default: modes; without a material those of the ContactProblem that is made of the space.
     tolerance: of the integration rules around the tip, relative to the integral over an element. The default changes the
         mean errors of energy and K by less than a hundredth of themselves (tests/test_contact.py).
     r0 and r1 are lengths.    Raises ValueError unless 0 <= r0 < r1 < inf, TypeError for a material that is none; CrackFESpace raises
@@ -64,10 +68,19 @@ class TipEnrichment:
             )
         r0 = r1 / 50 if self.r0 is None else self.r0
         cutoff = core.CutOff.__members__[self.cutoff]
-        if material is None:
+        if self.functions == "branch":
             return core.TipSpec(core.TipBasis.branch, cutoff, r0, r1, 0, 1)
-        here = material.At(body.mesh, tip.point)
+        here = UNKNOWN if material is None else material.At(body.mesh, tip.point)
         return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
+
+    def With(self, material):
+        """The same with the modes of a material (or None), unless it has functions of its own."""
+        return self if self.material is not None or self.functions is not None else replace(self, material=material)
+
+    @property
+    def undecided(self):
+        """Whether there is neither a material nor a choice of functions."""
+        return self.material is None and self.functions is None
 
 
 class CrackFESpace(core.CrackFESpace):
@@ -80,24 +93,24 @@ class CrackFESpace(core.CrackFESpace):
     tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
     dirichlet: names (a regular expression) of the boundaries on which u is held.    dirichletx, dirichlety: of those on which that component is held:
         rollers, planes of symmetry.    flags: orderinner, print as for NGSolve's H1.
+    material: Elasticity (or Elasticity.ByRegion) of the body: the tips have its modes, and ContactProblem(V, W) takes it.
+    Warns (AccuracyWarning) of tips without a material, of cracks of less than 4 elements, and of tips whose functions have less than 2 elements of room.
     Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has, an unknown
     boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
 
-    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", dirichletx="", dirichlety="", **flags):
+    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", dirichletx="", dirichlety="", material=None, **flags):
         check_flags(flags)
         check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
         check_whole(order, "CrackFESpace: order", 1)
+        check_type(material, Isotropic | None, "CrackFESpace: material", "an Elasticity")
         if bubble and order != 1:
             raise ValueError(f"CrackFESpace: bubble=True goes with order=1 (P1+), not with order={order}")
         for name, pattern in (("dirichlet", dirichlet), ("dirichletx", dirichletx), ("dirichlety", dirichlety)):
             if pattern:
                 flags[name] = joined_names(pattern)
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
-        tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
-        for enrichment in tips:
-            if enrichment is not None and not hasattr(enrichment, "Spec"):
-                raise TypeError(f"CrackFESpace: tip={enrichment!r} is neither a TipEnrichment nor None")
+        tips = tip_enrichments(tip, body, material)
         specs = [enrichment and enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
@@ -105,6 +118,44 @@ class CrackFESpace(core.CrackFESpace):
         if bubble:
             flags["orderinner"] = 3
         super().__init__(body, specs, tolerance, order=order, **flags)
+        self.material = material
+        self.undecided = [number for number, enrichment in enumerate(tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
+        warn_of_undecided(body, self.undecided)
+        warn_of_coarse(body, specs, material)
+
+
+def tip_enrichments(tip, body, material):
+    """One for each tip, those that are undecided with the modes of the material."""
+    tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
+    for enrichment in tips:
+        if enrichment is not None and not hasattr(enrichment, "Spec"):
+            raise TypeError(f"CrackFESpace: tip={enrichment!r} is neither a TipEnrichment nor None")
+    return [enrichment.With(material) if isinstance(enrichment, TipEnrichment) else enrichment for enrichment in tips]
+
+
+def warn_of_undecided(body, tips):
+    """Tips whose material is not known."""
+    if tips:
+        warn(
+            f"CrackFESpace: no material is given, so the tips at {', '.join(place(body.tips[number].point) for number in tips)} have modes of a material with ν = 0.3 "
+            "until a ContactProblem says which; with another one forms of your own would be less accurate at the tips, and K from the modes wrong. "
+            "Give CrackFESpace(..., material=...), or tip=TipEnrichment(functions='branch') for functions that need none"
+        )
+
+
+def decide(V, material):
+    """Gives the tips of V whose material was not known that of the problem. Raises ValueError for a disk that reaches another material."""
+    for number in getattr(V, "undecided", []):
+        tip, spec, here = V.body.tips[number], V.tip_specs[number], material.At(V.mesh, V.body.tips[number].point)
+        radius, limit = largest_disk(V.body, tip, material)
+        if spec.r1 > (1 + 1e-10) * radius:
+            raise ValueError(
+                f"ContactProblem: the disk r1 = {spec.r1:g} of the tip at {place(tip.point)} reaches {limit}, at {radius:g}; "
+                "give CrackFESpace(..., material=...), so that the disk ends before"
+            )
+        V.SetTipMaterial(number, here.kappa, here.mu)
+    if isinstance(V, CrackFESpace):
+        V.undecided = []
 
 
 FLAGS = ("orderinner", "print")
@@ -124,7 +175,7 @@ def check_flags(flags):
         if name in NO_FLAGS and value:
             raise ValueError(f"CrackFESpace: {name}={value!r} is not supported; {NO_FLAGS[name]}")
         if name not in FLAGS and name not in NO_FLAGS:
-            allowed = ["order", "tip", "bubble", "dirichlet", "dirichletx", "dirichlety", *FLAGS]
+            allowed = ["order", "tip", "bubble", "dirichlet", "dirichletx", "dirichlety", "material", *FLAGS]
             meant = get_close_matches(name, allowed, 1)
             raise TypeError(
                 f"CrackFESpace: there is no argument {name!r}{f' (did you mean {meant[0]!r}?)' if meant else ''}; it takes body, {', '.join(allowed)}"

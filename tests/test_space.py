@@ -437,7 +437,7 @@ def test_two_threads_assemble_the_same_matrix():
 
 
 CRACKS_WITH_TIPS = {
-    "one tip": ([(0, 0.43), (0.58, 0.53)], TipEnrichment(r1=0.25)), "disks that touch": ([(0.44, 0.43), (0.58, 0.53)], TipEnrichment()),
+    "one tip": ([(0, 0.43), (0.58, 0.53)], TipEnrichment(r1=0.25, functions="branch")), "disks that touch": ([(0.44, 0.43), (0.58, 0.53)], TipEnrichment(functions="branch")),
     "modes": ([(0.3, 0.43), (0.7, 0.53)], TipEnrichment(material=Elasticity(1, 1))), "no tip functions": ([(0.3, 0.43), (0.7, 0.53)], None),
 }  # fmt: skip
 
