@@ -2,7 +2,7 @@
 
     python benchmarks/k_errors.py [--maxh 0.085 0.055] [--pairs P2/P1 P1/P1 P2/P0] [--tip modes|branch|none] [--verbose]
 
-Closed forms: (b), (c), (e), the open arc, cracks in the infinite plate in tension and compression, with and without friction.
+Cracks that are too short or too near for the mesh warn. Closed forms: (b), (c), (e), the open arc, cracks in the infinite plate in tension and compression, with and without friction.
 Fitted: `shapes`, the loads A, B, C of the paper, C with friction, and a single edge crack. "True" is the larger of the errors of K_I and K_II.
 """
 

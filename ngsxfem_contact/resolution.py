@@ -8,7 +8,7 @@ import numpy as np
 from .errors import AccuracyWarning
 from .tip_disk import largest_disk
 
-CRACK, DISK, ROOM, INCREMENT = 4, 2, 1, 3  # elements: in a crack, in r1, between a tip without functions and what is next, in a new part
+CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
 
 
 def warn(message):
@@ -34,7 +34,7 @@ def size_at(body, tip):
 
 
 def warn_of_coarse(body, specs, material):
-    """Cracks of less than CRACK elements; at others tips whose functions reach less than DISK, and tips without functions less than ROOM elements from what is next."""
+    """Cracks of less than CRACK elements for each tip; at others tips whose functions reach less than DISK, and tips without functions less than ROOM elements from what is next."""
     short = [number for number in range(len(body.cracks)) if warn_of_short_crack(body, number)]
     for tip, spec in zip(body.tips, specs):
         if tip.crack not in short:
@@ -43,13 +43,13 @@ def warn_of_coarse(body, specs, material):
 
 def warn_of_short_crack(body, number):
     """Returns whether it warned."""
-    crack = body.cracks[number]
+    crack, least = body.cracks[number], CRACK * sum(tip.crack == number for tip in body.tips)
     size = np.median(element_sizes(body, [at.element for at in body.Elements(number)]))
-    if crack.length >= CRACK * size:
+    if crack.length >= least * size:
         return False
     warn(
-        f"crack {number} at {place(crack.PointAt(0.5 * crack.length))} is {crack.length:.3g} long, {crack.length / size:.1f} elements: with less than {CRACK} "
-        f"it opens too little, by up to 85 %; refine to h <= {crack.length / CRACK:.2g} there"
+        f"crack {number} at {place(crack.PointAt(0.5 * crack.length))} is {crack.length:.3g} long, {crack.length / size:.1f} elements: with less than {least} "
+        f"it opens too little, by up to 85 %; refine to h <= {crack.length / least:.2g} there"
     )
     return True
 

@@ -94,7 +94,7 @@ class CrackFESpace(core.CrackFESpace):
     dirichlet: names (a regular expression) of the boundaries on which u is held.    dirichletx, dirichlety: of those on which that component is held:
         rollers, planes of symmetry.    flags: orderinner, print as for NGSolve's H1.
     material: Elasticity (or Elasticity.ByRegion) of the body: the tips have its modes, and ContactProblem(V, W) takes it.
-    Warns (AccuracyWarning) of tips without a material, of cracks of less than 4 elements, and of tips whose functions have less than 2 elements of room.
+    Warns (AccuracyWarning) of tips without a material, of cracks of less than 2 elements for each tip, and of tips whose functions have less than 2 elements of room.
     Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has, an unknown
     boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
