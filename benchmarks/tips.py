@@ -10,7 +10,7 @@ from ngsolve import TaskManager, ngsglobals
 from ngsxfem_contact import BarbosaHughes, Coercivity, TipEnrichment
 from ngsxfem_contact.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
 
-TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(), "none": None}
+TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(functions="branch"), "none": None}
 
 
 def largest_gamma0(mesh, pair, tip, probe=1e-3):

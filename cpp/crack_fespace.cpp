@@ -62,6 +62,16 @@ namespace ngsxfem_contact
         }
   }
 
+  void CrackFESpace :: SetTipMaterial (size_t tip, double kappa, double mu)
+  {
+    if (!NumTipDofs(tip)) throw Exception("CrackFESpace: there are no functions at tip " + ngcore::ToString(tip));
+    auto spec = tips[tip]->Spec();
+    spec.kappa = kappa;
+    spec.mu = mu;
+    auto & place = body->Tips()[tip];
+    tips[tip].emplace(place.crack, place.curve, place.plus_sign, spec);
+  }
+
   std::vector<std::optional<TipSpec>> CrackFESpace :: TipSpecs () const
   {
     std::vector<std::optional<TipSpec>> specs;

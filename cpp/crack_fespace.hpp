@@ -50,6 +50,8 @@ namespace ngsxfem_contact
     shared_ptr<CrackedMesh> GetBody() const { return body; }
     shared_ptr<ngcomp::FESpace> GetScalar() const { return scalar; }
     std::vector<std::optional<TipSpec>> TipSpecs() const;
+    /// Gives the modes at a tip another material: unknowns and rules stay what they are.
+    void SetTipMaterial (size_t tip, double kappa, double mu);
     double Tolerance() const { return tolerance; }
     /// The boundary regions of dirichlet, and of dirichletx (component 0) or dirichlety (1).
     const ngcore::BitArray & HeldRegions (int component) const;

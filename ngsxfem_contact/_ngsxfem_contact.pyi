@@ -745,6 +745,11 @@ class CrackFESpace(ngsolve.comp.FESpace):
         The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.
         """
 
+    def SetTipMaterial(self, tip: int, kappa: float, mu: float) -> None:
+        """
+        Gives the modes at a tip another material: unknowns and rules stay what they are. Raises an Exception where there are no functions.
+        """
+
     def TipDofs(self, tip: int) -> list[int]:
         """
         The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.

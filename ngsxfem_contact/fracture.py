@@ -6,9 +6,8 @@ All are values of one symmetric form of two equilibrated fields a, b at a tip wi
     M = (σ(a):∇b + σ⁰_a:∇b + σ⁰_b:∇a) e - σ_a ∂_e b - σ_b ∂_e a,
 
 q = 1 at the tip, 0 outside of a disk, ν outward. On the lips σν is what acts there: contact and friction, λ n + λ_t t, and the
-tractions that are given or that a joint exerts.
-λ_h is least accurate at a tip, where it counts most: at straight tips the mean of λ_h and R_h(u_h) + r_0 is taken, and half of
-their difference is part of the reported error everywhere.
+tractions that are given or that a joint exerts. λ_h is least accurate at a tip, where it counts most: at straight tips the mean
+of λ_h and R_h(u_h) + r_0 is taken, and half of their difference is part of the reported error everywhere.
 I(u, mode of unit K) = (κ+1)/(4μ) K, and I(u,u) = 2G.
 """
 
@@ -33,9 +32,7 @@ RADII = (1, 0.75, 0.5)  # of the disks that are compared, relative to the larges
 class StressIntensityFactors:
     """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip.  K_I, K_II = factors.
 
-    error: what K_I or K_II may be off, see docs/method.md, section 9: it covers the true error in 95 % of the cases measured, and is
-        less than 5 times that in half of them; nan for other methods than the interaction integral.
-    by_radius: (n, 2), the values at `radii`.
+    error: what K_I or K_II may be off, see `factor_error`; nan for other methods than the interaction integral.    by_radius: (n, 2), the values at `radii`.
     modes: coefficients of the modes in the space (error O(h^{1/2}) for P1, O(h) for P2), or None.
     """
 
@@ -294,7 +291,7 @@ class InteractionIntegral:
         first, second = pressures(solution)
         doubt = [0.5 * scale * integrals[0].OfPressure(first - second, mode) for mode in modes]
         own = mode_coefficients(solution, tip)
-        error = reported_error(K, scale, integrals, u, doubt, from_modes(K[0], own, frame.h, solution.problem.V.tip_specs[tip]))
+        error = reported_error(K, doubt, from_modes(K[0], own, frame.h, solution.problem.V.tip_specs[tip]))
         return StressIntensityFactors(float(K[0, 0]), float(K[0, 1]), error, radii, K, own)
 
 

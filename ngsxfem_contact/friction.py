@@ -31,6 +31,10 @@ class Frictionless:
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
         return result.p
 
+    def Work(self, p, w, W, cone, before):
+        """Nothing is dissipated."""
+        return 0.0, 0.0
+
     def Violation(self, p, w, scale, W, cone):
         """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, for p and w divided by their scales."""
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
@@ -58,6 +62,19 @@ class Friction(ABC):
         report.threshold_changes = result.threshold_changes
         report.uniqueness = self.Uniqueness(Q, threshold)
         return result.p
+
+    def Work(self, p, w, W, cone, before):
+        """(∫λ_t Δg_t of a step, how far it may be off).    w: minus the weighted gaps and slips.    before: p of the last step, or None.
+
+        What slips does so at |λ_t| = s. While s changes, the trapezoidal rule takes the mean of s before and after; without a step before
+        the end-point rule takes s after. The error is the difference of the two, s = 0 before a first step where it depends on the pressure.
+        """
+        (p_n, p_t), w_t, threshold = np.split(p, 2), np.split(w, 2)[1], self.Threshold(W, cone)
+        p_before = np.zeros_like(p_n) if before is None else np.split(before, 2)[0]
+        s, s_before = threshold.At(p_n, p_n < 0), threshold.At(p_before, p_n < 0 if before is None else p_before < 0)
+        end = -p_t * w_t
+        change = 0.5 * end * (np.divide(s_before, s, out=np.ones_like(s), where=s > 0) - 1)
+        return float(end.sum() + (0 if before is None else change.sum())), float(np.abs(change).sum())
 
     @abstractmethod
     def Threshold(self, W, cone):

@@ -15,6 +15,7 @@ from .friction import Friction, Frictionless
 from .load import LoadForm, StiffnessForm, load_form
 from .operators import Gradient, Minus, Plus
 from .solver import solve
+from .spaces import decide
 from .stabilisation import BarbosaHughes, Unstabilised, softened
 from .supports import Supports
 
@@ -98,6 +99,7 @@ class ContactProblem:
             raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
         if friction is not None and not isinstance(friction, Friction):
             raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
+        decide(V, material)
         check_modes(V, material)
         self.V, self.W, self.material = V, W, material
         self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()

@@ -8,7 +8,7 @@ import numpy as np
 from .errors import AccuracyWarning
 from .tip_disk import largest_disk
 
-CRACK, DISK, ROOM, INCREMENT = 4, 2, 1, 3  # elements: in a crack, in r1, between a tip without functions and what is next, in a new part
+CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
 
 
 def warn(message):
@@ -33,29 +33,40 @@ def size_at(body, tip):
     return element_sizes(body, [at.element for at in body.Elements(tip.crack) if min(abs(s - tip.s) for s in at.arclength) <= close]).max()
 
 
-def warn_of_coarse_cracks(body):
-    """Cracks of less than CRACK elements."""
-    for number, crack in enumerate(body.cracks):
-        size = np.median(element_sizes(body, [at.element for at in body.Elements(number)]))
-        if crack.length < CRACK * size:
-            warn(
-                f"crack {number} at {place(crack.PointAt(0.5 * crack.length))} is {crack.length:.3g} long, {crack.length / size:.1f} elements: with less than {CRACK} "
-                f"it opens too little, by up to 85 %; refine to h <= {crack.length / CRACK:.2g} there"
-            )
-
-
-def warn_of_small_disks(body, specs, material):
-    """Tips whose functions reach less than DISK elements, and tips without functions that are less than ROOM elements from what is next."""
+def warn_of_coarse(body, specs, material):
+    """Cracks of less than CRACK elements for each tip; at others tips whose functions reach less than DISK, and tips without functions less than ROOM elements from what is next."""
+    short = [number for number in range(len(body.cracks)) if warn_of_short_crack(body, number)]
     for tip, spec in zip(body.tips, specs):
-        size, (room, limit) = size_at(body, tip), largest_disk(body, tip, material if spec else None)
-        radius, least = (spec.r1, DISK) if spec else (room, ROOM)
-        if radius >= least * size:
-            continue
-        why = f"{limit}, at {room:.3g}, leaves" if radius >= 0.5 * room else f"r1 = {radius:.3g} leaves"
-        warn(
-            f"the tip at {place(tip.point)}: {why} it {radius / size:.2g} elements of room; with less than {least} the fields at the tip and K are wrong by several percent or more, "
-            f"and reported errors may not show it; {f'refine to h <= {radius / least:.2g} there' if radius >= 0.5 * room else f'choose r1 >= {least * size:.2g}'}, or move what is in the way"
-        )
+        if tip.crack not in short:
+            warn_of_small_disk(body, tip, spec, material)
+
+
+def warn_of_short_crack(body, number):
+    """Returns whether it warned."""
+    crack, least = body.cracks[number], CRACK * sum(tip.crack == number for tip in body.tips)
+    size = np.median(element_sizes(body, [at.element for at in body.Elements(number)]))
+    if crack.length >= least * size:
+        return False
+    warn(
+        f"crack {number} at {place(crack.PointAt(0.5 * crack.length))} is {crack.length:.3g} long, {crack.length / size:.1f} elements: with less than {least} "
+        f"it opens too little, by up to 85 %; refine to h <= {crack.length / least:.2g} there"
+    )
+    return True
+
+
+def warn_of_small_disk(body, tip, spec, material):
+    """The room may be there, and r1 chosen smaller."""
+    size, (room, limit) = size_at(body, tip), largest_disk(body, tip, material if spec else None)
+    radius, least = (spec.r1, DISK) if spec else (room, ROOM)
+    if radius >= least * size:
+        return
+    chosen = radius < 0.5 * room
+    why = f"r1 = {radius:.3g}" if chosen else f"{limit}, at {room:.3g},"
+    remedy = f"choose r1 >= {min(least * size, 0.9 * room):.2g}" if chosen else f"refine to h <= {radius / least:.2g} there, or move what is in the way"
+    warn(
+        f"the tip at {place(tip.point)}: {why} leaves it {radius / size:.2g} elements of room; with less than {least} "
+        f"the fields at the tip and K are wrong by several percent or more, and reported errors may not show it; {remedy}"
+    )
 
 
 def warn_of_short_increment(body, tip, advance):

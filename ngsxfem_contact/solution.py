@@ -34,12 +34,15 @@ class State:
 
     nodes: W, or what stands for it.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
     residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
+    p: the values whose signs are checked, L = T p.    work: of friction in this step, and how far it may be off.
     """
 
     nodes: object
     L: np.ndarray
     moments: np.ndarray
     residual: np.ndarray
+    p: np.ndarray | None = None
+    work: tuple = (0.0, 0.0)
 
 
 class ContactSolution:
@@ -122,9 +125,15 @@ class ContactSolution:
         return rows.OfPin(place)
 
     def FrictionWork(self):
-        """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes."""
-        m = self.state.nodes.ndof
-        return -float(self.state.L[m:] @ self.state.residual[m:])
+        """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes.
+
+        After a previous step by the trapezoidal rule for the threshold, which may change on the way; a first step has its last threshold.
+        """
+        return self.state.work[0]
+
+    def FrictionWorkError(self):
+        """How far FrictionWork() may be off because the threshold changes within the step: the difference of the trapezoidal from the end-point rule."""
+        return self.state.work[1]
 
     def Multipliers(self):
         """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""

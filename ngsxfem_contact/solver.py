@@ -147,7 +147,8 @@ class ReducedProblem:
         L = T @ p
         moments = load.g + self.S @ L
         recover = lambda: self._recover(report, load, L, G, p, T, cone)
-        state = State(self.system.nodes, L, moments - load.given_traction.G, moments - G)
+        work = problem.friction.Work(p, T.T @ (moments - G), self.system.nodes, cone, None if previous is None else previous.state.p)
+        state = State(self.system.nodes, L, moments - load.given_traction.G, moments - G, p, work)
         return ContactSolution(problem, recover, multipliers(problem, self.system, L), report, self.system.gamma, state, load)
 
     def _gaps(self, previous):

@@ -10,9 +10,11 @@ from scipy.sparse.linalg import eigsh
 
 from . import _ngsxfem_contact as core
 from .arguments import INFINITY, check_number, check_positive, check_type, check_whole
-from .elasticity import Isotropic
-from .resolution import place, warn, warn_of_coarse_cracks, warn_of_small_disks
+from .elasticity import Elasticity, Isotropic
+from .resolution import place, warn, warn_of_coarse
 from .tip_disk import largest_disk
+
+UNKNOWN = Elasticity.PlaneStrain(E=2.6, nu=0.3)  # μ = 1: the modes at a tip until its material is known
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class TipEnrichment:
     material: with an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress
         intensity factors and whose lips are free of traction: 2 unknowns for each tip. Default: that of CrackFESpace(material=...).
     functions: "modes", or "branch" for the four scalar functions (8) of [AHLMR12] in each component, 8 unknowns, whose lips carry
-        tractions. Default: the modes of the material; without any the functions (8), and an AccuracyWarning.
+        tractions: in contact pressures and K_I are less accurate. Default: modes; without a material those of the ContactProblem that is made of the space.
     tolerance: of the integration rules around the tip, relative to the integral over an element. The default changes the
         mean errors of energy and K by less than a hundredth of themselves (tests/test_contact.py).
     r0 and r1 are lengths.    Raises ValueError unless 0 <= r0 < r1 < inf, TypeError for a material that is none; CrackFESpace raises
@@ -65,9 +67,9 @@ class TipEnrichment:
             )
         r0 = r1 / 50 if self.r0 is None else self.r0
         cutoff = core.CutOff.__members__[self.cutoff]
-        if material is None:
+        if self.functions == "branch":
             return core.TipSpec(core.TipBasis.branch, cutoff, r0, r1, 0, 1)
-        here = material.At(body.mesh, tip.point)
+        here = UNKNOWN if material is None else material.At(body.mesh, tip.point)
         return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
 
     def With(self, material):
@@ -91,7 +93,7 @@ class CrackFESpace(core.CrackFESpace):
     material: Elasticity (or Elasticity.ByRegion) of the body: the tips have its modes, and ContactProblem(V, W) takes it.
     dirichlet: names (a regular expression) of the boundaries on which u is held.    dirichletx, dirichlety: of those on which that component is held:
         rollers, planes of symmetry.    flags: orderinner, print as for NGSolve's H1.
-    Warns (AccuracyWarning) of tips without a material, of cracks of less than 4 elements, and of tips whose functions have less than 2 elements of room.
+    Warns (AccuracyWarning) of tips without a material, of cracks of less than 2 elements for each tip, and of tips whose functions have less than 2 elements of room.
     Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has, an unknown
     boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
@@ -116,9 +118,9 @@ class CrackFESpace(core.CrackFESpace):
             flags["orderinner"] = 3
         super().__init__(body, specs, tolerance, order=order, **flags)
         self.material = material
-        warn_of_undecided(body, tips)
-        warn_of_coarse_cracks(body)
-        warn_of_small_disks(body, specs, material)
+        self.undecided = [number for number, enrichment in enumerate(tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
+        warn_of_undecided(body, self.undecided)
+        warn_of_coarse(body, specs, material)
 
 
 def tip_enrichments(tip, body, material):
@@ -131,13 +133,28 @@ def tip_enrichments(tip, body, material):
 
 
 def warn_of_undecided(body, tips):
-    """Tips whose functions nobody chose."""
-    points = [place(tip.point) for tip, enrichment in zip(body.tips, tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
-    if points:
+    """Tips whose material is not known."""
+    if tips:
         warn(
-            f"CrackFESpace: no material is given, so the tips at {', '.join(points)} have the functions (8), whose lips carry tractions: in contact pressures and K_I are less accurate. "
-            "Give CrackFESpace(..., material=...) for the modes of the material, or tip=TipEnrichment(functions='branch') if (8) are meant"
+            f"CrackFESpace: no material is given, so the tips at {', '.join(place(body.tips[number].point) for number in tips)} have modes of a material with ν = 0.3 "
+            "until a ContactProblem says which; with another one forms of your own would be less accurate at the tips, and K from the modes wrong. "
+            "Give CrackFESpace(..., material=...), or tip=TipEnrichment(functions='branch') for functions that need none"
         )
+
+
+def decide(V, material):
+    """Gives the tips of V whose material was not known that of the problem. Raises ValueError for a disk that reaches another material."""
+    for number in getattr(V, "undecided", []):
+        tip, spec, here = V.body.tips[number], V.tip_specs[number], material.At(V.mesh, V.body.tips[number].point)
+        radius, limit = largest_disk(V.body, tip, material)
+        if spec.r1 > (1 + 1e-10) * radius:
+            raise ValueError(
+                f"ContactProblem: the disk r1 = {spec.r1:g} of the tip at {place(tip.point)} reaches {limit}, at {radius:g}; "
+                "give CrackFESpace(..., material=...), so that the disk ends before"
+            )
+        V.SetTipMaterial(number, here.kappa, here.mu)
+    if isinstance(V, CrackFESpace):
+        V.undecided = []
 
 
 FLAGS = ("orderinner", "print")

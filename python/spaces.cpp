@@ -56,6 +56,8 @@ static void ExportCrackFESpace (py::module & m)
     .def_property_readonly("scalar_space", &CrackFESpace::GetScalar, "The scalar space of the functions φ_i.")
     .def_property_readonly("tip_specs", &CrackFESpace::TipSpecs, "For each of body.tips its TipSpec, or None where there are no tip functions.")
     .def("HeldRegions", &CrackFESpace::HeldRegions, py::arg("component"), "The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.")
+    .def("SetTipMaterial", &CrackFESpace::SetTipMaterial, py::arg("tip"), py::arg("kappa"), py::arg("mu"),
+         "Gives the modes at a tip another material: unknowns and rules stay what they are. Raises an Exception where there are no functions.")
     .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside, "The number of Heaviside functions of one component.")
     .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "(i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.")
     .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"), "The number of the crack at which it jumps.")

@@ -10,6 +10,8 @@ from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 NAN, INF = float("nan"), float("inf")
 MESH = rectangle(0.2)
 BODY = CrackedMesh(MESH, Crack([(0, 0.51), (0.6, 0.53)]))

@@ -32,6 +32,8 @@ from ngsxfem_contact import (
 from ngsxfem_contact.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
 from ngsxfem_contact.plotting import plot_body, plot_profile
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 SetNumThreads(1)
 
 MESH = unstructured_mesh(0.2)

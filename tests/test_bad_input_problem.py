@@ -19,6 +19,8 @@ from ngsxfem_contact import (
 from ngsxfem_contact.closed_forms import rotated_square
 from ngsxfem_contact.paper import unstructured_mesh
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 SetNumThreads(1)
 
 MATERIAL = Elasticity(1, 1)

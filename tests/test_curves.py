@@ -11,6 +11,8 @@ from ngsolve import H1, Grad, GridFunction, IfPos, InnerProduct, Integrate, Line
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Side, Strain, TipEnrichment
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 few = settings(max_examples=12, deadline=None, derandomize=True)
 unit = st.floats(0, 1)
 MESH, FINE = rectangle(0.2), rectangle(0.08)

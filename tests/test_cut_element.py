@@ -27,6 +27,8 @@ from ngsxfem_contact import (  # fmt: skip
 from ngsxfem_contact.paper import PAIRS
 from ngsxfem_contact.split_mesh import SplitMesh
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 import several  # noqa: E402
 

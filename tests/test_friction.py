@@ -19,6 +19,7 @@ from ngsxfem_contact import (
     FixedPoint,
     FullNewton,
     Jump,
+    LoadSteps,
     NotCoercive,
     NotConverged,
     Slip,
@@ -460,6 +461,18 @@ def test_an_unchanged_load_changes_nothing():
     assert np.abs(second.Multipliers() - first.Multipliers()).max() < 1e-9 * np.abs(first.Multipliers()).max()
     assert abs(second.FrictionWork()) < 1e-10 * first.FrictionWork()
     assert second.report.iterations <= 3
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_the_work_of_growing_thresholds_is_that_of_the_trapezoidal_rule(n):
+    """Under proportional loads λ_t and the slip grow together, W = ½ λ_t g_t; only the first step, whose path is not known, counts twice that, and says so."""
+    problem = scaled_problem(Coulomb(0.3), Parameter(1))
+    whole, steps = problem.Solve(), LoadSteps(problem)
+    assert whole.FrictionWorkError() == pytest.approx(0.5 * whole.FrictionWork(), rel=1e-9) and whole.FrictionWork() > 0
+    history = [steps.Solve((i + 1) / n) for i in range(n)]
+    end_points = lambda s: s.FrictionWork() + s.FrictionWorkError()
+    assert sum(s.FrictionWork() for s in history) == pytest.approx(0.5 * (1 + 1 / n**2) * whole.FrictionWork(), rel=1e-6)
+    assert sum(end_points(s) for s in history[1:]) == pytest.approx(sum(2 * (i + 1) / n**2 for i in range(1, n)) * 0.5 * whole.FrictionWork(), rel=1e-6)
 
 
 def test_unloading_leaves_slip_and_dissipates():

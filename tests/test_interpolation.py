@@ -7,6 +7,8 @@ from ngsolve import CF, IfPos, InnerProduct, Integrate, sin, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Interpolant, Projection, TipEnrichment
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 MESH = rectangle(0.15)
 THROUGH = CrackedMesh(MESH, Crack([(0, 0.37), (1, 0.58)]))
 ABOVE = IfPos(y - 0.37 - 0.21 * x, 1, 0)

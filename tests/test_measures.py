@@ -24,6 +24,8 @@ from ngsolve import (
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, Side, TipEnrichment, TraceSpace, Variation
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 MESH = rectangle(0.2)
 BODY = CrackedMesh(MESH, Crack([(0, 0.32), (0.6, 0.35)]), Crack([(1, 0.71), (0.3, 0.73)]))
 V = CrackFESpace(BODY, order=2, tip=TipEnrichment(r0=0.02, r1=0.12, tolerance=1e-10))

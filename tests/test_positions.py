@@ -13,6 +13,8 @@ from ngsxfem_contact.active_set import descend, solve_active_set
 from ngsxfem_contact.negligible import negligible_functions
 from ngsxfem_contact.paper import MATERIAL, PAIRS
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 import adversarial  # noqa: E402
 import conditioning  # noqa: E402

@@ -7,6 +7,8 @@ from ngsolve import BilinearForm, Integrate, Mesh, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, TraceSpace
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 MESH = rectangle(0.3)
 CRACK = Crack([(0, 0.43), (0.6, 0.5)])
 BODY = CrackedMesh(MESH, CRACK)

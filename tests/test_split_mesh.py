@@ -10,6 +10,8 @@ from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, 
 from ngsxfem_contact.spaces import crack_points
 from ngsxfem_contact.split_mesh import SplitMesh
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 MATERIAL = Elasticity(1, 1)
 SIDES = ["bottom", "right", "top", "left"]
 ARC = [(0.4 - 0.2 * np.cos(t), 0.2 * np.sin(t) - 0.05) for t in np.linspace(0, 2.5, 40)]

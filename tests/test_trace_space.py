@@ -9,6 +9,8 @@ from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Integrate, Lin
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, TraceSpace
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 MESH = rectangle(0.15)
 STRAIGHT = [(0, 0.43), (0.7, 0.53)]
 CRACKS = {
