@@ -7,11 +7,11 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from .connectivity import RigidMotions
 from .contact_system import stiffness_form
-from .elimination import Elimination
+from .elimination import Elimination, unit_scale
 from .errors import NotCoercive, SingularSystem
 from .operators import NormalGap
 from .progress import doing
-from .spaces import mask, to_scipy
+from .spaces import csr_view, mask, to_scipy
 
 
 def check_gap(system):
@@ -31,6 +31,21 @@ def check_load(F, given, who=""):
     ):
         if not np.isfinite(values).all():
             raise ValueError(f"{who}{what} is not finite (NaN or inf): check {where}")
+
+
+def check_energies(F, given, stiffness):
+    """Raises ValueError for a load or given displacements whose energies with an NGSolve matrix double precision cannot hold."""
+    scale = unit_scale(csr_view(stiffness).diagonal())
+    check_size(F * scale, "the load `f`")
+    check_size(given / scale, "a given displacement")
+
+
+def check_size(roots, what, limit=1e145):
+    """Raises ValueError if the square of the largest value, an energy, is too small or too large for double precision; zero is neither."""
+    largest = np.abs(roots).max(initial=0)
+    if largest and not 1 / limit < largest < limit:
+        size = "small" if largest < 1 else "large"
+        raise ValueError(f"{what} is too {size}: its energy is about ({largest:.1e})², beyond double precision; take other units of length or stress")
 
 
 def check_rigid_motions(problem):

@@ -24,7 +24,7 @@ def check_modes(V, material):
     for tip, spec in zip(V.body.tips, V.tip_specs):
         if spec is not None and spec.basis == core.TipBasis.modes:
             here = material.At(V.mesh, tip.point)
-            if not np.allclose((spec.kappa, spec.mu), (here.kappa, here.mu), rtol=1e-12):
+            if not np.allclose((spec.kappa, spec.mu), (here.kappa, here.mu), rtol=1e-12, atol=0):
                 raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {here}; pass the same to TipEnrichment(material=...)")
 
 

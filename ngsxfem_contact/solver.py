@@ -7,7 +7,7 @@ from ngsolve import GridFunction
 
 from .active_set import coarse_start
 from .arguments import check_type, check_whole
-from .checks import check_coercive, check_gap, check_load, check_multiplier, check_rigid_motions
+from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
 from .cones import CONES
 from .contact_system import GivenTraction
 from .elimination import Elimination, ReducedLoad
@@ -106,6 +106,7 @@ class ReducedProblem:
     def Load(self, F, given, applied, jumps):
         """The Load of a vector F and given displacements, arrays of length ndof, F the vector of `applied`: one back-substitution."""
         check_load(F, given)
+        check_energies(F, given, self.system.stiffness)
         traction = self.system.Given(applied)
         forces = F + traction.F
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
@@ -201,9 +202,7 @@ class ReducedProblem:
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
         system, EL = self.system, self.system.Forces(L)
-        residual = self.elimination.Residual(load.forces + EL, U)
-        forces = max(np.abs(load.forces).max(), np.abs(EL).max(), self.elimination.ForceScale(U), TINY)
-        report.residual = float(np.abs(residual).max() / forces)
+        report.residual = self.elimination.RelativeResidual((load.forces, EL), U)
         report.complementarity = complementarity(system, self.problem, U, L, G, load.g - G, p, T, cone)
         report.converged = report.residual < tolerance and report.complementarity < tolerance
         if not report.converged:

@@ -64,9 +64,9 @@ class BarbosaHughes:
         """γ_T / h_T for each of crack_elements."""
         if self.gamma0 is not None:
             return np.full(len(crack_elements(V.body)), self.gamma0)
-        constants = trace_constants(V, material, components)
+        constants, moduli = trace_constants(V, material, components), local_moduli(V, material)
         # an element on which R_h vanishes needs no bound of its own
-        return self.theta / np.maximum(constants, 1e-3 * constants.max())
+        return self.theta / np.maximum(constants, 1e-3 * (constants / moduli).max() * moduli)
 
     def IsSafe(self, V, material, components=(NORMAL,)):
         """Whether the local eigenproblems prove K - K_γ positive."""
@@ -120,6 +120,13 @@ def crack_elements(body):
     return [location for c in range(len(body.cracks)) for location in body.Elements(c)]
 
 
+def local_moduli(V, material):
+    """lam + 2 mu on each of crack_elements."""
+    modulus = GridFunction(L2(V.mesh, order=0))
+    modulus.Set(CoefficientFunction(material.lam + 2 * material.mu))
+    return np.array([modulus.vec[location.element] for location in crack_elements(V.body)])
+
+
 def tip_weight(V):
     """min(1, r/h_T) around the tips with scalar functions (8), 1 elsewhere."""
     h = GridFunction(L2(V.mesh, order=0))
@@ -164,10 +171,20 @@ def _largest_ratio(V, element, trace, energy, kernel=1e-10):
     fe, trafo = V.GetFE(ei), V.mesh.GetTrafo(ei)
     R, A = (np.array(form.integrators[0].CalcElementMatrix(fe, trafo)) for form in (trace, energy))
     diagonal = A.diagonal().copy()
-    used = diagonal > 1e-28 * diagonal.max()
+    used = diagonal > 1e-28 * largest_of_kind(diagonal, V, V.GetDofNrs(ei))
     scale = 1 / np.sqrt(diagonal[used])
     R, A = (M[np.ix_(used, used)] * scale[:, None] * scale for M in (R, A))
     values, vectors = np.linalg.eigh(A)
     regular = values > kernel * values[-1]
     basis = vectors[:, regular] / np.sqrt(values[regular])
     return np.linalg.eigvalsh(basis.T @ R @ basis)[-1]
+
+
+def largest_of_kind(values, V, dofs):
+    """For each unknown the largest of the values that have its unit: of all polynomials, or of the functions of its tip."""
+    kind = np.zeros(len(dofs), dtype=int)
+    for tip in range(len(V.body.tips)):
+        kind[np.isin(dofs, V.TipDofs(tip))] = tip + 1
+    largest = np.zeros(kind.max() + 1)
+    np.maximum.at(largest, kind, values)
+    return largest[kind]
