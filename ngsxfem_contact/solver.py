@@ -21,6 +21,7 @@ from .report import Report, stage
 from .solution import ContactSolution, State
 
 TINY = np.finfo(float).tiny
+STEP_OPTIONS = ("cone", "r", "start", "max_iterations", "previous")
 
 
 def solve(problem, inverse=None, **options):
@@ -133,6 +134,7 @@ class ReducedProblem:
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         """
         problem, load, cone = self.problem, load or self.load, problem_cone(self.problem, cone)
+        self.system.CheckCone(cone)
         load = load if self.initial is None else self.initial + load
         check_whole(max_iterations, "max_iterations", 1)
         check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
@@ -144,7 +146,6 @@ class ReducedProblem:
             q = T.T @ (load.g - G)
             start = self._first_set(Q, q, start, previous, report)
             p = problem.friction.Solve(Q, q, self.system.nodes, cone, report, r, start, max_iterations)
-            report.converged = True
         L = T @ p
         moments = load.g + self.S @ L
         recover = lambda: self._recover(report, load, L, G, p, T, cone)
@@ -187,7 +188,7 @@ class ReducedProblem:
             T = transformation(self.problem.friction, cone, self.system.nodes)
             Q = T.T @ self.S @ T
             if self.check:
-                check_multiplier(Q)
+                check_multiplier(Q, self.system.gamma is not None)
             self.transformed[cone] = T, Q
         return self.transformed[cone]
 
@@ -207,8 +208,8 @@ class ReducedProblem:
         report.converged = report.residual < tolerance and report.complementarity < tolerance
         if not report.converged:
             raise NotConverged(
-                f"the solution does not satisfy its own equations to {tolerance:g}: try another direct solver by inverse=..., or units in which "
-                f"lengths, stresses and displacements are not so far apart\n{report}"
+                f"the solution does not satisfy its own equations to {tolerance:g}: try another direct solver than inverse={self.elimination.name!r}, "
+                f"and look for elements or materials that differ by many orders of magnitude\n{report}"
             )
 
 

@@ -17,12 +17,46 @@ from .face_traction import ComparedTraction
 from .operators import NORMAL, Strain
 
 
+class Stabilisation:
+    """What a stabilisation need not say: any object with `sides`, Gamma and IsSafe is one, and has these unless it has its own; see `trait`.
+
+    needs_eigenvalue: whether the factorised matrix may be positive although γ is too large; False where it is K - K_γ.
+    """
+
+    needs_eigenvalue = False
+
+    def Remedy(self, smallest):
+        """What to do about the smallest eigenvalue of K - K_γ against K, which is not positive."""
+        return f"make what Gamma returns at least {1 - smallest:.3g} times smaller"
+
+
+REQUIRED = ("sides", "Gamma", "IsSafe")
+
+
+def trait(stabilisation, name):
+    """An attribute of a stabilisation; that of Stabilisation where it has none."""
+    return getattr(stabilisation, name, getattr(Stabilisation(), name))
+
+
+def check_stabilisation(stabilisation, name):
+    """Raises TypeError for what is no stabilisation."""
+    if isinstance(stabilisation, type) or not any(hasattr(stabilisation, part) for part in REQUIRED):
+        raise TypeError(f"{name}={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
+    missing = [part for part in REQUIRED if not hasattr(stabilisation, part)]
+    if missing:
+        raise TypeError(f"{name}={stabilisation!r} has no {' and no '.join(missing)}; docs/extending.md says what they are")
+
+
+def smaller_gamma0(gamma0, smallest, otherwise):
+    """The Remedy for a number gamma0."""
+    return f"take gamma0 = {gamma0:g} below {gamma0 / (1 - smallest):.3g}, or {otherwise}"
+
+
 @dataclass(frozen=True)
-class Unstabilised:
+class Unstabilised(Stabilisation):
     """K_γ = C_γ = D_γ = 0."""
 
     sides = {}
-    needs_eigenvalue = False  # a positive factorised matrix shows that γ is small enough
 
     def Gamma(self, V, material, components=(NORMAL,)):
         """None: there is no γ."""
@@ -34,7 +68,7 @@ class Unstabilised:
 
 
 @dataclass(frozen=True)
-class BarbosaHughes:
+class BarbosaHughes(Stabilisation):
     """γ on the cracks.
 
     gamma0: γ = gamma0 h_T with h_T the longest edge of each element; gamma has the unit of length over stress.
@@ -49,7 +83,6 @@ class BarbosaHughes:
     theta: float = 0.5
 
     sides = {"larger": 1}
-    needs_eigenvalue = False  # a positive factorised matrix shows that γ is small enough
 
     def __post_init__(self):
         if self.gamma0 is not None:
@@ -72,9 +105,15 @@ class BarbosaHughes:
         """Whether the local eigenproblems prove K - K_γ positive."""
         return self.gamma0 is None or self.gamma0 * trace_constants(V, material, components).max() < 1
 
+    def Remedy(self, smallest):
+        """A smaller γ."""
+        if self.gamma0 is None:
+            return f"γ was chosen element by element for a coercivity of {1 - self.theta:g}: take a smaller theta"
+        return smaller_gamma0(self.gamma0, smallest, "gamma0=None, which chooses γ itself")
+
 
 @dataclass(frozen=True)
-class BothSides:
+class BothSides(Stabilisation):
     """R_h(v)² replaced by weight (σ_n(v⁺)² + σ_n(v⁻)²), R_h(v) by weight (σ_n(v⁺) + σ_n(v⁻)), γ = gamma0 h_T.
 
     weight=1 is what the authors' program does: against one ∫γλμ it is not consistent and imposes gap = γ|λ| in contact
@@ -83,8 +122,6 @@ class BothSides:
 
     gamma0: float
     weight: float = 1
-
-    needs_eigenvalue = False
 
     def __post_init__(self):
         check_positive(self.gamma0, "BothSides: gamma0")
@@ -102,6 +139,10 @@ class BothSides:
     def IsSafe(self, V, material, components=(NORMAL,)):
         """False: no local bound is known, the eigenvalue has to be computed."""
         return False
+
+    def Remedy(self, smallest):
+        """A smaller γ."""
+        return smaller_gamma0(self.gamma0, smallest, "BarbosaHughes(), which chooses γ itself")
 
 
 def element_gamma(V, limits):
