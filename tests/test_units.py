@@ -15,6 +15,7 @@ from ngsxfem_contact.stabilisation import trace_constants
 SetNumThreads(1)
 
 UNITS = [(E, length) for E, length in product((1e-12, 1, 1e12), (1e-6, 1, 1e6)) if (E, length) != (1, 1)]
+CORNERS = [(E, length) for E, length in UNITS if E != 1 and length != 1]
 METHODS = {
     "Barbosa, Hughes": dict(stabilisation=BarbosaHughes()), "Nitsche": dict(stabilisation=Nitsche(theta=0)),
     "Coulomb": dict(friction=Coulomb(0.3)), "Tresca, Nitsche": dict(stabilisation=Nitsche(theta=-1)),
@@ -54,7 +55,7 @@ def answers(E, length, *options, inverse=None):
 def test_answers_do_not_depend_on_units(order, functions, method):
     right, _ = answers(1, 1, order, functions, method)
     assert right[1][0] < -1e-5 and right[3].max() > 1e-5  # a part of the crack is closed, another open
-    for E, length in UNITS:
+    for E, length in UNITS if method == "Barbosa, Hughes" else CORNERS:
         numbers, report = answers(E, length, order, functions, method)
         for number, exact in zip(numbers, right):
             assert np.abs(np.subtract(number, exact)).max() <= 1e-9 * np.abs(exact).max(), (E, length)
