@@ -21,7 +21,7 @@ test: $(VENV)/test.stamp ## build the package into .venv and run its tests
 	$(BIN)/python -m pytest tests $(PYTEST)
 
 dev: $(VENV)/dev.stamp ## editable install into .venv that compiles only what changed
-	$(BIN)/pip install --no-build-isolation -e '.[plot,test]'
+	$(BIN)/pip install --no-build-isolation -c tools/constraints.txt -e '.[plot,test]'
 
 notebooks: $(VENV)/docs.stamp ## execute the tutorials to notebooks in docs/tutorials
 	$(BIN)/python tools/notebooks.py
@@ -76,12 +76,12 @@ $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)
 	touch $@
 
 $(VENV)/dev_tools.stamp: $(VENV)/package.stamp
-	$(BIN)/pip install 'ngsxfem_contact[dev,test,plot]'
+	$(BIN)/pip install -c tools/constraints.txt 'ngsxfem_contact[dev,test,plot]'
 	touch $@
 
 # The package is installed already: this only adds what the extra needs.
-$(VENV)/%.stamp: $(VENV)/package.stamp
-	$(BIN)/pip install 'ngsxfem_contact[$*]'
+$(VENV)/%.stamp: $(VENV)/package.stamp tools/constraints.txt
+	$(BIN)/pip install -c tools/constraints.txt 'ngsxfem_contact[$*]'
 	touch $@
 
 $(VENV)/dev.stamp: $(VENV)/venv.stamp pyproject.toml

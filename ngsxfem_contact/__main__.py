@@ -1,6 +1,7 @@
 """The command line: `python -m ngsxfem_contact` solves the paper's test and writes what it found; `... study` does all of section 4."""
 
 import argparse
+import io
 import json
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ from . import progress
 from .errors import SolveError
 from .figures import fitted_rates
 from .figures import write_figures as write_figures_of_study
-from .files import write_whole
+from .files import UnreadableFile, write_whole
 from .paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 from .stabilisation import BarbosaHughes
 from .study import REFERENCE_CELLS, SIZES, Study
@@ -149,11 +150,19 @@ def summary(results, report):
     return "\n".join(lines) + "\n"
 
 
+def can_draw():
+    """Whether there is matplotlib; says so if there is none."""
+    try:
+        import matplotlib
+    except ImportError:
+        print("no figures: they need matplotlib, run `pip install ngsxfem_contact[plot]` and this command again", file=sys.stderr)
+        return False
+    matplotlib.use("Agg")
+    return True
+
+
 def write_figures(solution, folder):
     """body.png and profile.png."""
-    import matplotlib
-
-    matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
     from .plotting import plot_body, plot_profile
@@ -174,9 +183,10 @@ def run_study(options):
     text = json.dumps(rates, indent=1)
     write_whole(options.output / "rates.json", lambda path: path.write_text(text, encoding="utf-8"))
     print(rates_table(rates))
-    if not options.no_figures:
+    draws = not options.no_figures and can_draw()
+    if draws:
         write_figures_of_study(options.output, records, study.reference.Solution())
-    print(f"wrote study.jsonl, study.csv, rates.json{'' if options.no_figures else ' and figures'} to {options.output.resolve()}")
+    print(f"wrote study.jsonl, study.csv, rates.json{' and figures' if draws else ''} to {options.output.resolve()}")
     return 0
 
 
@@ -209,20 +219,28 @@ def run_paper(options):
         write_whole(options.output / "summary.json", lambda path: path.write_text(json.dumps(results, indent=1), encoding="utf-8")),
         solution.SaveVTK(options.output / "solution.vtu"),
     ]
-    if not options.no_figures:
+    if not options.no_figures and can_draw():
         written += write_figures(solution, options.output)
     print(f"wrote {', '.join(Path(path).name for path in written)} to {options.output.resolve()}")
     return 0
 
 
+def say_what_can_be_said():
+    """Characters that a terminal lacks (γ, ²) become question marks, no errors."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
 def main(arguments=None):
     """Runs a command line; returns its exit code: 0, 1 without an answer, 130 after Ctrl-C."""
     ngsglobals.msg_level = 0
+    say_what_can_be_said()
     try:
         options = parse(arguments)
         progress.say = None if options.quiet else lambda line: print(line, flush=True)
         return run_study(options) if options.job == "study" else run_paper(options)
-    except (SolveError, ImportError, OSError) as error:
+    except (SolveError, ImportError, OSError, UnreadableFile) as error:
         print(f"no answer: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -1,7 +1,7 @@
 """The semi-smooth Newton method for (39) of [AHLMR12], which is an active-set method, on the crack's own unknowns.
 
-With the displacements eliminated the problem is: find p ≤ 0 with w = Q p + q ≤ 0 and p·w = 0, Q symmetric positive
-definite. Its projection form p = min(0, p - r w) is solved by: i is active (in contact) where p_i - r w_i < 0; active
+With the displacements eliminated the problem is: find p ≤ 0 with w = Q p + q ≤ 0 and p·w = 0, Q positive definite, symmetric
+except for Nitsche's method with θ ≠ 1. Its projection form p = min(0, p - r w) is solved by: i is active (in contact) where p_i - r w_i < 0; active
 rows read w_i = 0, the others p_i = 0. After one step either p_i or w_i is zero, so the answer and, from the second step
 on, the iterates do not depend on r > 0. An index changes sides only by more than round-off: where contact is lost with
 zero pressure, p_i and w_i are both zero.
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arguments import check_positive
+from .box_path import AT_UPPER, INSIDE, follow_path
 from .errors import NotConverged
 
 ROUND_OFF = 1e-12
@@ -34,9 +35,9 @@ class ActiveSetResult:
 def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
     """Solves p ≤ 0, w = Qp + q ≤ 0, p·w = 0.
 
-    Q: (m, m), symmetric positive definite, in any scaling.    r: positive; relative to 1/diag(Q).
+    Q: (m, m), positive definite, in any scaling.    r: positive; relative to 1/diag(Q).
     start: first active set, boolean; default empty, see coarse_start.
-    If a set comes back (a cycle) a method that decreases the energy at every step takes over, see descend.
+    If a set comes back (a cycle) a method that decreases the energy at every step takes over, see descend; without symmetry, box_path.
     Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
     """
     check_positive(r, "r")
@@ -54,7 +55,7 @@ def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
         if np.array_equal(new, active):
             return ActiveSetResult(p, history, 0)
         if new.tobytes() in seen:
-            return descend(Q, q, history)
+            return descend(Q, q, history) if is_symmetric(Q) else along_path(Q, q, history)
         seen.add(new.tobytes())
         active = new
     raise NotConverged(
@@ -105,6 +106,18 @@ def descend(Q, q, history):
         active[np.argmax(w)] = True
         p, active = move_to_equilibrium(Q, q, p, active)
     raise NotConverged(f"the active set cycles, and {100 * len(q)} steps of descent were not enough: refine or change the mesh where the crack is")
+
+
+def is_symmetric(Q):
+    """But for round-off, in any scaling."""
+    scale = 1 / np.sqrt(np.diag(Q))
+    return bool((np.abs(Q - Q.T) * scale * scale[:, None]).max() < 1e-10)
+
+
+def along_path(Q, q, history):
+    """From the last set, for any positive definite Q."""
+    p, states, changes = follow_path(Q, q, np.full(len(q), -np.inf), np.zeros(len(q)), np.where(history[-1], INSIDE, AT_UPPER))
+    return ActiveSetResult(p, history + [states == INSIDE], changes)
 
 
 def move_to_equilibrium(Q, q, p, active):

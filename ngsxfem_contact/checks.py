@@ -7,11 +7,12 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from .connectivity import RigidMotions
 from .contact_system import stiffness_form
-from .elimination import Elimination
+from .elimination import Elimination, unit_scale
 from .errors import NotCoercive, SingularSystem
 from .operators import NormalGap
 from .progress import doing
-from .spaces import mask, to_scipy
+from .spaces import csr_view, mask, to_scipy
+from .stabilisation import trait
 
 
 def check_gap(system):
@@ -33,6 +34,21 @@ def check_load(F, given, who=""):
             raise ValueError(f"{who}{what} is not finite (NaN or inf): check {where}")
 
 
+def check_energies(F, given, stiffness):
+    """Raises ValueError for a load or given displacements whose energies with an NGSolve matrix double precision cannot hold."""
+    scale = unit_scale(csr_view(stiffness).diagonal())
+    check_size(F * scale, "the load `f`")
+    check_size(given / scale, "a given displacement")
+
+
+def check_size(roots, what, limit=1e145):
+    """Raises ValueError if the square of the largest value, an energy, is too small or too large for double precision; zero is neither."""
+    largest = np.abs(roots).max(initial=0)
+    if largest and not 1 / limit < largest < limit:
+        size = "small" if largest < 1 else "large"
+        raise ValueError(f"{what} is too {size}: its energy is about ({largest:.1e})², beyond double precision; take other units of length or stress")
+
+
 def check_rigid_motions(problem):
     """Raises SingularSystem if a rigid motion of the body is not held, or of a part that cracks cut off or that hangs on others by points."""
     free = RigidMotions(problem.V).Free(~mask(problem.free), problem.a)
@@ -50,31 +66,30 @@ def check_rigid_motions(problem):
     )
 
 
-def check_multiplier(Q, tolerance=1e-10):
-    """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable."""
+def check_multiplier(Q, stabilised, tolerance=1e-10):
+    """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable.    stabilised: by some γ."""
     scale = 1 / np.sqrt(np.maximum(np.diag(Q), np.finfo(float).tiny))
     values = np.linalg.eigvalsh(0.5 * (Q + Q.T) * scale[:, None] * scale)
     deficient = int((values < tolerance * values[-1]).sum())
     if deficient:
+        remedy = "a larger γ, which is nearly zero there (or a part of the crack both faces of which are held, set them free)"
         raise SingularSystem(
             f"{deficient} of {len(values)} multipliers act on no displacement of the space (smallest eigenvalue {values[0]:.1e} "
             f"of the scaled Schur complement, largest {values[-1]:.1e}): this pair of orders needs "
-            "stabilisation=BarbosaHughes(), or a richer displacement space, or a multiplier of lower order"
+            f"{remedy if stabilised else 'stabilisation=BarbosaHughes()'}, or a richer displacement space, or a multiplier of lower order"
         )
 
 
 def check_coercive(problem, elimination):
-    """Raises NotCoercive for a gamma0 for which K - K_γ is not positive definite (against K)."""
+    """Raises NotCoercive for a γ for which K - K_γ is not positive definite (against K)."""
     stabilisation = problem.stabilisation
-    proved = elimination.positive and not stabilisation.needs_eigenvalue
+    proved = elimination.positive and not trait(stabilisation, "needs_eigenvalue")
     if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.friction.components)):
         return
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
-        raise NotCoercive(
-            f"gamma0 = {stabilisation.gamma0:g} is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; "
-            f"take gamma0 below {stabilisation.gamma0 / (1 - smallest):.3g}, or BarbosaHughes() which chooses γ itself"
-        )
+        remedy = trait(stabilisation, "Remedy")(smallest)
+        raise NotCoercive(f"γ is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; {remedy}")
 
 
 def Coercivity(problem):

@@ -7,10 +7,12 @@ large as the crack is long), the tips' unknowns are another; each φ_i is scaled
 
 import numpy as np
 from ngsolve import BitArray
-from ngsolve.la import EigenValues_Preconditioner
+from ngsolve.la import DiagonalMatrix, EigenValues_Preconditioner
 
 from .checks import check_rigid_motions
+from .elimination import unit_scale
 from .negligible import without_negligible
+from .spaces import csr_view
 
 
 def CrackScaling(matrix, V, free=None):
@@ -33,6 +35,17 @@ def CrackScaling(matrix, V, free=None):
     return sum(blocks, start=matrix.CreateSmoother(others))
 
 
+def scaling(matrix):
+    """The diagonal matrices 1/√a_ii and √a_ii."""
+    scale = unit_scale(csr_view(matrix).diagonal())
+    matrices = []
+    for values in (scale, 1 / scale):
+        vector = matrix.CreateColVector()
+        vector.FV().NumPy()[:] = values
+        matrices.append(DiagonalMatrix(vector))
+    return matrices
+
+
 def scaling_blocks(V):
     """The unknowns of the Heaviside functions, and those of the tips."""
     first = 2 * V.scalar_space.ndof
@@ -46,5 +59,7 @@ def ConditionNumber(problem):
     """
     check_rigid_motions(problem)
     matrix = problem.Assemble().stiffness
-    values = np.array(EigenValues_Preconditioner(mat=matrix, pre=CrackScaling(matrix, problem.V, problem.free), tol=1e-16))
+    scale, inverse = scaling(matrix)  # Lanczos starts from random numbers, which have no units
+    scaled, preconditioner = scale @ matrix @ scale, inverse @ CrackScaling(matrix, problem.V, problem.free) @ inverse
+    values = np.array(EigenValues_Preconditioner(mat=scaled, pre=preconditioner, tol=1e-16))
     return float(values.max() / values.min())

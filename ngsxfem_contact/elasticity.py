@@ -8,10 +8,13 @@ from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace, sqrt
 
 from .arguments import INFINITY, check_number, check_type
 
+LEAST, MOST = 1e-100, 1e100  # of moduli: squares and quotients of them are numbers
+
 
 def check_engineering_constants(E, nu, limit, name):
-    """Raises ValueError unless 0 < E < inf and -1 < nu < limit."""
+    """Raises ValueError unless 0 < E < inf, neither of them too near for double precision, and -1 < nu < limit."""
     check_number(E, f"{name}: E", lambda E: 0 < E < INFINITY, "be positive and finite (Young's modulus)")
+    check_number(E, f"{name}: E", lambda E: LEAST <= E <= MOST, f"lie between {LEAST:g} and {MOST:g}, take another unit of stress (Young's modulus)")
     check_number(nu, f"{name}: nu", lambda nu: -1 < nu < limit, f"lie between -1 and {limit} (Poisson's ratio)")
 
 
@@ -91,6 +94,13 @@ class Elasticity(Isotropic):
         if self.mu <= 0 or self.lam + self.mu <= 0:
             raise ValueError(
                 f"Elasticity(lam={self.lam}, mu={self.mu}): the energy is positive only for mu > 0 and lam + mu > 0; check the sign and the Poisson ratio"
+            )
+        for value, name in ((self.mu, "mu"), (self.lam + self.mu, "lam + mu")):
+            check_number(
+                value,
+                f"Elasticity: {name}",
+                lambda value: LEAST * 1e-3 <= value <= MOST * 1e3,
+                f"lie between {LEAST:g} and {MOST:g}, take another unit of stress",
             )
         if self.form not in FORMS:
             raise ValueError(f"Elasticity: form={self.form!r} is not one of {list(FORMS)}")

@@ -85,6 +85,12 @@ class ReducedLoad:
         return ReducedLoad(factor * self.rhs, factor * self.border, factor * self.crack)
 
 
+def unit_scale(diagonal):
+    """1/√|a_ii|, which makes a diagonal of ±1; 1 where it is zero."""
+    size = np.sqrt(np.abs(diagonal))
+    return 1 / np.where(size > 0, size, 1)
+
+
 class Elimination:
     """A symmetric positive definite matrix A on a CrackFESpace, factorised, and S = C A⁻¹ Cᵀ for a sparse C (m, ndof).
 
@@ -98,8 +104,8 @@ class Elimination:
 
     def __init__(self, matrix, V, free, C=None, inverse=None):
         self.matrix, self.C = matrix, csr_matrix((0, matrix.height)) if C is None else C
-        self.jacobi = matrix.CreateSmoother(free)
         self.fixed = ~mask(free)
+        self.scale = np.where(self.fixed, 0, unit_scale(csr_view(matrix).diagonal()))
         self.border = np.array([dof for tip in range(len(V.body.tips)) for dof in V.TipDofs(tip) if free[dof]], dtype=int)
         inner = BitArray(free)
         for dof in self.border:
@@ -112,13 +118,15 @@ class Elimination:
 
     def _eliminate_border(self, schur):
         t = len(self.border)
-        self.border_matrix = self.border_rows[:, self.border].toarray() - schur[:t, :t]
+        matrix = self.border_rows[:, self.border].toarray() - schur[:t, :t]
+        self.border_scale = unit_scale(np.diag(matrix))  # tips with different functions have unknowns of different units
+        self.border_matrix = matrix * self.border_scale * self.border_scale[:, None]
         self.coupling = self.C[:, self.border].toarray() - schur[t:, :t]
         self.S = schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T)
         self.positive = self.factors.positive and bool(np.all(np.linalg.eigvalsh(self.border_matrix) > 0))
 
     def _at_border(self, forces):
-        return np.linalg.solve(self.border_matrix, forces)
+        return (self.border_scale * np.linalg.solve(self.border_matrix, (self.border_scale * forces.T).T).T).T
 
     def Reduce(self, rhs):
         """The ReducedLoad of a right-hand side of length ndof."""
@@ -146,13 +154,12 @@ class Elimination:
         x = self.Solve(rhs)
         return x + self.Solve(self.Residual(rhs, x))
 
-    def ForceScale(self, x):
-        """max |A_ii x_i| over the free unknowns, the size of the terms that cancel in A x."""
-        r, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
-        r.FV().NumPy()[:] = 1
-        y.data = self.jacobi * r
-        inverse_diagonal = y.FV().NumPy()
-        return np.abs(x[~self.fixed] / inverse_diagonal[~self.fixed]).max()
+    def RelativeResidual(self, forces, x):
+        """Of A x = Σ forces, each row divided by √A_ii, so that no unit counts; relative to the largest of the terms that cancel."""
+        terms = [self.scale * force for force in forces] + [x[~self.fixed] / self.scale[~self.fixed]]
+        size = max(np.abs(term).max(initial=0) for term in terms)
+        residual = np.abs(self.scale * self.Residual(sum(forces), x)).max(initial=0)
+        return float(residual / size) if size else 0.0
 
     def Residual(self, rhs, x):
         """rhs - A x on the free unknowns, zero on the others."""

@@ -6,7 +6,6 @@ show them relative to the norms of the reference. Runs on several meshes of one 
 
 import functools
 import os
-import tempfile
 import textwrap
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .files import write_whole
 from .plotting import plot_body, plot_profile, pyplot
 
 WIDTH = 3.4  # inches: a panel fills a column
@@ -298,13 +298,11 @@ def write_figures(folder, records, solution=None):
     figures |= {"8": lambda: convergence(records, "none"), "9": lambda: convergence(records, "larger")}
     figures |= {"10a": lambda: multiplier_against_gamma0(records, "P1/P0"), "10b": lambda: multiplier_against_gamma0(records, "P1/P1")}
     figures |= {"11": lambda: displacement_against_gamma0(records), "inf_sup": lambda: inf_sup(records)}
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".figures.") as temporary:
-        for name, draw in figures.items():
-            with suppress(NoRecords):
-                figure = draw()
-                for file, options in ((f"figure_{name}.png", {"dpi": 200}), (f"figure_{name}.pdf", {"dpi": 300, "metadata": {"CreationDate": None}})):
-                    figure.savefig(Path(temporary) / file, **options)
-                    os.replace(Path(temporary) / file, folder / file)  # a file appears when it is complete
-                    paths.append(folder / file)
-                pyplot().close(figure)
+    for name, draw in figures.items():
+        with suppress(NoRecords):
+            figure = draw()
+            for ending, options in (("png", {"dpi": 200}), ("pdf", {"dpi": 300, "metadata": {"CreationDate": None}})):
+                save = lambda temporary, figure=figure, options=options: figure.savefig(temporary, **options)
+                paths.append(write_whole(folder / f"figure_{name}.{ending}", save))
+            pyplot().close(figure)
     return paths

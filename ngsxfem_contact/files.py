@@ -1,14 +1,26 @@
-"""Files that appear when they are complete."""
+"""Files that appear when they are complete, and folders that one process works in."""
 
 import os
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
+try:
+    import fcntl
+except ImportError:  # Windows has none: there the user sees to it
+    fcntl = None  # type: ignore[assignment]
 
-def write_whole(path, write):
+
+class UnreadableFile(ValueError):
+    """A file of earlier results is damaged; the message says where, and what to do."""
+
+
+def write_whole(path, write, end=b""):
     """Calls write(temporary path in the same folder) and moves the complete file to its place; returns the path.
 
-    Raises FileNotFoundError if the folder does not exist, IsADirectoryError if the path is one.
+    end: what the file must end with, for writers that do not say when the disk is full.
+    Raises FileNotFoundError if the folder does not exist, IsADirectoryError if the path is one, OSError if the file could not be
+    written completely; then there is no new file, and an old one is left as it was.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"{path} cannot be written: there is no folder {path.parent}; create it first")
@@ -17,5 +29,32 @@ def write_whole(path, write):
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         temporary = Path(folder) / path.name
         write(temporary)
+        check_complete(temporary, path, end)
         os.replace(temporary, path)
     return path
+
+
+def check_complete(temporary, path, end):
+    """Raises OSError unless a file has reached the disk, up to its end."""
+    try:
+        with open(temporary, "rb+") as file:
+            os.fsync(file.fileno())
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - 100))
+            complete = file.read().rstrip().endswith(end)
+    except FileNotFoundError:
+        size, complete = 0, False
+    if not complete:
+        raise OSError(f"{path} cannot be written: it broke off after {size} bytes; is the disk full, or the size of files limited?")
+
+
+@contextmanager
+def only_one(path, what):
+    """Holds a lock on a file while the block runs; raises BlockingIOError if another process does. The system frees it when the process ends."""
+    with open(path, "w", encoding="utf-8") as file:
+        if fcntl is not None:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise BlockingIOError(f"{what} is in use by another process; wait for it, or take another folder") from None
+        yield

@@ -307,7 +307,7 @@ class ModeCoefficients:
         """Raises ValueError if the space has no modes at the tip."""
         modes = mode_coefficients(solution, tip)
         if modes is None:
-            raise ValueError(f"StressIntensity: the space has no modes at tip {tip}; build it with tip=TipEnrichment(material=material)")
+            raise ValueError(f"StressIntensity: the space has no modes at tip {tip}; build it with tip=TipEnrichment(material=material, functions='modes')")
         K_I, K_II = modes
         return StressIntensityFactors(K_I, K_II, modes=modes)
 

@@ -1,10 +1,10 @@
 """Many loads on one problem: everything sparse is done once, each step runs on the crack's own unknowns."""
 
-from .arguments import check_number, check_type
+from .arguments import check_number, check_options, check_type
 from .checks import check_load
 from .load import AppliedLoad
 from .progress import doing
-from .solver import ReducedProblem
+from .solver import STEP_OPTIONS, ReducedProblem
 
 
 class LoadCase:
@@ -58,10 +58,11 @@ class LoadSteps:
     def Solve(self, *t, start=None, **options):
         """The ContactSolution for the factors t, one for each case.
 
-        start: as for ContactProblem.Solve; default the active set of the step before.    options: cone, r, max_iterations.
-        Raises ValueError unless there is one finite factor for each case.
+        start: as for ContactProblem.Solve; default the active set of the step before.    options: cone, r, max_iterations, previous.
+        Raises TypeError for another option, ValueError unless there is one finite factor for each case.
         Raises NotConverged, for the displacement's own residual when `solution.u` is first used.
         """
+        check_options(options, STEP_OPTIONS, "LoadSteps.Solve")
         if len(t) != len(self.loads):
             raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.loads)} load case(s); give one factor for each")
         for i, factor in enumerate(t):

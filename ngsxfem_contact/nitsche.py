@@ -24,12 +24,12 @@ from .cones import Nonpositive
 from .contact_system import ContactSystem, stiffness_form
 from .operators import NORMAL
 from .spaces import crack_points, mass_matrix, to_scipy
-from .stabilisation import BarbosaHughes
+from .stabilisation import BarbosaHughes, Stabilisation
 from .terms import unit_limits
 
 
 @dataclass(frozen=True)
-class Nitsche:
+class Nitsche(Stabilisation):
     """In place of a stabilised multiplier: ContactProblem(..., stabilisation=Nitsche(theta=1)).
 
     theta: 1 (symmetric), 0 (fewest terms) or -1 (coercive for every γ).    gamma0, coercivity: γ as BarbosaHughes(gamma0,
@@ -69,6 +69,12 @@ class Nitsche:
     def needs_eigenvalue(self):
         """θ = 0: its factorised matrix K is positive for every γ, which shows nothing."""
         return self.theta == 0
+
+    def Remedy(self, smallest):
+        """A smaller γ, or θ = -1."""
+        if self.gamma0 is None:
+            return f"γ was chosen element by element for a coercivity of {1 - self.coercivity:g}: take a smaller coercivity=..., or theta=-1"
+        return self._barbosa_hughes.Remedy(smallest) + ", or theta=-1, which allows every γ"
 
     def System(self, problem):
         """The matrices of the problem: a NitscheSystem."""
@@ -151,8 +157,7 @@ class NitscheSystem(ContactSystem):
     """The blocks at the points of the crack; see the module."""
 
     def _assemble(self, problem):
-        if not isinstance(problem.cone, Nonpositive):
-            raise ValueError("Nitsche: the law holds at points; cone='weak' belongs to a multiplier, leave the cone at 'nonpositive'")
+        self.CheckCone(problem.cone)
         V, method, components = problem.V, problem.stabilisation, problem.friction.components
         self.theta = method.theta
         self.nodes = nodes = CrackPoints(problem.body, method.points or V.order + 3)
@@ -174,6 +179,11 @@ class NitscheSystem(ContactSystem):
         """θ ∫γ r_0 R_h(v) = -θ Rᵀ r_0."""
         values = np.concatenate([self.nodes.Values(self.traction.Given(component, shift)) for component in self.components])
         return -self.theta * (self.R.T @ values)
+
+    def CheckCone(self, cone):
+        """Raises ValueError for the weak cone."""
+        if not isinstance(cone, Nonpositive):
+            raise ValueError("Nitsche: the law holds at points; cone='weak' belongs to a multiplier, leave the cone at 'nonpositive'")
 
     def InitialGap(self, problem):
         """ω g_0."""

@@ -22,6 +22,7 @@ from scipy.linalg import eigvalsh
 
 from .active_set import ROUND_OFF
 from .arguments import check_positive, check_whole
+from .box_path import AT_LOWER, AT_UPPER, INSIDE, follow_path
 from .errors import NotConverged
 
 FREE, SLIP_PLUS, SLIP_MINUS, STICK = 0, 1, -1, 2
@@ -156,38 +157,24 @@ def newton(Q, q, threshold, r, start, max_iterations):
     )
 
 
-def least_index(Q, q, threshold, states):
-    """For given thresholds: one node at a time, the first violated one, from given states; a NodalResult.
-
-    This ends for every P-matrix Q, Murty's argument: between two changes of the last value the others solve a smaller
-    problem of the same kind, whose answer makes w of the last value an increasing function of it, so that no state of the last
-    value comes twice.
-    """
-    contact, tangential = states.contact.copy(), states.tangential.copy()
-    for step in range(100 * len(q)):
-        p, w = solve_states(Q, q, threshold, States(contact, tangential))
-        (p_n, p_t), (w_n, w_t) = (np.split(v / max(np.abs(v).max(), np.finfo(float).tiny), 2) for v in (p, w))
-        s = threshold.base / max(np.abs(p).max(), np.finfo(float).tiny)
-        stick, pulls_back = tangential == STICK, tangential * w_t
-        wrong = [np.where(contact, p_n, w_n), np.where(stick, np.abs(p_t) - s, np.where(np.abs(tangential) == 1, pulls_back, 0))]
-        violated = np.flatnonzero(np.concatenate(wrong) > ROUND_OFF)
-        if len(violated) == 0:
-            return NodalResult(p, [States(contact, tangential)], step)
-        component, i = divmod(violated[0], len(contact))
-        if component == 0:
-            contact[i] ^= True
-        else:
-            tangential[i] = np.sign(p_t[i]) if stick[i] else STICK
-    raise NotConverged("the nodal states cycle and changing them one by one did not end: take smaller load steps, or change the mesh where the crack is")
+def safeguarded(Q, q, s, states):
+    """For given thresholds: the path from given states (box_path), p_n ≤ 0 and |p_t| ≤ s being its bounds; a NodalResult."""
+    m, tangential = len(s), states.tangential
+    lower, upper = np.concatenate([np.full(m, -np.inf), -s]), np.concatenate([np.zeros(m), s])
+    contact = np.where(states.contact, INSIDE, AT_UPPER)
+    start = np.concatenate([contact, np.where(tangential == STICK, INSIDE, np.where(tangential == SLIP_MINUS, AT_LOWER, AT_UPPER))])
+    p, found, changes = follow_path(Q, q, lower, upper, start)
+    slips = np.where(found[m:] == INSIDE, STICK, np.where(found[m:] == AT_UPPER, SLIP_PLUS, SLIP_MINUS))
+    return NodalResult(p, [States(found[:m] == INSIDE, np.where(s > 0, slips, FREE))], changes)
 
 
 def fixed_threshold(Q, q, s, r, start, max_iterations):
-    """The problem with given thresholds: Newton's method, and where it cycles one node at a time."""
+    """The problem with given thresholds: Newton's method, and where it cycles a path."""
     threshold = Threshold(s, np.zeros(len(s)))
     try:
         return newton(Q, q, threshold, r, start, max_iterations)
     except Cycle as cycle:
-        result = least_index(Q, q, threshold, cycle.states[-1])
+        result = safeguarded(Q, q, s, cycle.states[-1])
         return replace(result, states=cycle.states + result.states)
 
 
@@ -240,7 +227,7 @@ class FixedPoint:
 class FullNewton:
     """Newton's method on the whole problem, the threshold's dependence on p_n in its matrix; if it cycles, a safeguard.
 
-    The safeguard is `least_index` where s is given, and otherwise FixedPoint.
+    The safeguard is `box_path.follow_path` where s is given, and otherwise FixedPoint.
     """
 
     safeguard: FixedPoint = FixedPoint()

@@ -9,9 +9,10 @@ from importlib import metadata
 
 import numpy as np
 from pyngcore import GetNumThreads, SuspendTaskManager
+from scipy.sparse import diags
 
 from . import _ngsxfem_contact as core
-from .spaces import mask
+from .spaces import csr_view, mask
 
 SYMMETRIC_INDEFINITE = -2
 ANALYSE, FACTORISE, FORWARD, BACKWARD, RELEASE = 11, 22, 331, 333, -1
@@ -53,10 +54,16 @@ def pointer(array):
     return None if array is None else array.ctypes.data_as(ctypes.c_void_p)
 
 
+def nonzero(values):
+    """The values, 1 in place of 0."""
+    return np.where(values == 0, 1, values)
+
+
 class Pardiso:
     """A⁻¹ on the unknowns of a BitArray and K A⁻¹Kᵀ for K in CSC format; matrix: symmetric, a SparseMatrix of NGSolve.
 
     schur: K A⁻¹Kᵀ, dense.    positive: whether A is positive definite.
+    Pardiso compares pivots with the largest entries: the largest diagonal entry of A and the largest of each row of K are made 1 for it.
     Raises ImportError without MKL, RuntimeError with the number of a Pardiso error.
     """
 
@@ -66,8 +73,12 @@ class Pardiso:
         if not is_available():
             raise ImportError('inverse="pardiso" needs MKL: pip install mkl, or pip install "ngsxfem_contact[fast]"')
         self.inner, self.m = mask(inner), K.shape[0]
+        self.unit = nonzero(csr_view(matrix).diagonal()[self.inner].max(initial=0))
+        self.units = nonzero(abs(K).max(axis=1).toarray().ravel())
+        K = (diags(self.unit / self.units) @ K).tocsc()
         K.sort_indices()
         self.first, self.column, self.value = core.BorderedMatrix(matrix, inner, self.m, K.indptr, K.indices, K.data)
+        self.value /= self.unit
         self.size = len(self.first) - 1
         self.handle, self.parameters = np.zeros(64, dtype=np.int64), np.zeros(64, dtype=np.int32)
         self.parameters[list(PARAMETERS)] = list(PARAMETERS.values())
@@ -76,13 +87,14 @@ class Pardiso:
         negative = np.zeros((max(self.m, 1),) * 2)
         self._call(ANALYSE)
         self._call(FACTORISE, None, negative)
-        self.schur = -negative[: self.m, : self.m]
-        self.schur = 0.5 * (self.schur + self.schur.T)
-        self.positive = self._is_positive()
+        scaled = -negative[: self.m, : self.m]
+        scaled = 0.5 * (scaled + scaled.T)
+        self.positive = self._is_positive(scaled)
+        self.schur = scaled / self.unit * self.units * self.units[:, None]
 
-    def _is_positive(self):
+    def _is_positive(self, schur):
         """Pardiso counts the negative eigenvalues of the whole matrix, those of -K A⁻¹Kᵀ among them (Sylvester)."""
-        values = np.linalg.eigvalsh(self.schur)
+        values = np.linalg.eigvalsh(schur)
         return int(self.parameters[NEGATIVE_EIGENVALUES]) <= int((values > 1e-10 * np.abs(values).max(initial=0)).sum())
 
     def _call(self, phase, rhs=None, solution=None):
@@ -101,13 +113,13 @@ class Pardiso:
 
     def _forward(self, rhs):
         padded, result = np.zeros(self.size), np.zeros(self.size)
-        padded[: self.size - self.m] = rhs[self.inner]
+        padded[: self.size - self.m] = rhs[self.inner] / self.unit
         self._call(FORWARD, padded, result)
         return result
 
     def Couple(self, rhs):
         """K A⁻¹ rhs."""
-        return -self._forward(rhs)[self.size - self.m :]
+        return -self._forward(rhs)[self.size - self.m :] * self.units
 
     def Solve(self, rhs):
         """A⁻¹ rhs; zero where an unknown is not in the factorisation."""

@@ -142,7 +142,7 @@ def plot_mesh(V, ax=None):
 def save_vtk(solution, path):
     """Writes displacement, stresses and side on the split mesh as .vtu (ending added if missing); returns the file's name.
 
-    The file appears when it is complete: an interrupted run leaves none, or the one before.
+    The file appears when it is complete: an interrupted run, or a full disk (OSError), leaves none, or the one before.
     """
     path = Path(path)
     if not path.name:
@@ -155,7 +155,7 @@ def save_vtk(solution, path):
     values, side = split.EvaluateInside(scalars), np.repeat(split.side, 3).reshape(-1, 3, 1)
     fields = [CF((split.GridFunction(u), 0)), *(split.GridFunction(values[..., [i]]) for i in range(4)), split.GridFunction(side)]
     write = lambda temporary: VTKOutput(split.mesh, fields, ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()
-    return str(write_whole(path, write))
+    return str(write_whole(path, write, end=b"</VTKFile>"))
 
 
 def draw(solution, field=None, scale=None, **options):

@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import CoefficientFunction, InnerProduct, Parameter
 
 from . import _ngsxfem_contact as core
-from .arguments import INFINITY, check_function, check_item, check_number, check_type
+from .arguments import INFINITY, check_function, check_item, check_number, check_options, check_type
 from .cones import CONES
 from .contact_system import ContactSystem
 from .elasticity import Isotropic
@@ -14,9 +14,9 @@ from .face_traction import ComparedTraction
 from .friction import Friction, Frictionless
 from .load import LoadForm, StiffnessForm, load_form
 from .operators import Gradient, Minus, Plus
-from .solver import solve
+from .solver import STEP_OPTIONS, solve
 from .spaces import decide
-from .stabilisation import BarbosaHughes, Unstabilised, softened
+from .stabilisation import BarbosaHughes, Unstabilised, check_stabilisation, softened
 from .supports import Supports
 
 
@@ -25,7 +25,7 @@ def check_modes(V, material):
     for tip, spec in zip(V.body.tips, V.tip_specs):
         if spec is not None and spec.basis == core.TipBasis.modes:
             here = material.At(V.mesh, tip.point)
-            if not np.allclose((spec.kappa, spec.mu), (here.kappa, here.mu), rtol=1e-12):
+            if not np.allclose((spec.kappa, spec.mu), (here.kappa, here.mu), rtol=1e-12, atol=0):
                 raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {here}; pass the same to TipEnrichment(material=...)")
 
 
@@ -95,8 +95,8 @@ class ContactProblem:
         else:
             check_number(gap, "ContactProblem: gap", lambda gap: 0 <= gap < INFINITY, "be a finite number >= 0 (the faces do not overlap at first)")
         material = material_of(V, material)
-        if stabilisation is not None and (not hasattr(stabilisation, "Gamma") or isinstance(stabilisation, type)):
-            raise TypeError(f"ContactProblem: stabilisation={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
+        if stabilisation is not None:
+            check_stabilisation(stabilisation, "ContactProblem: stabilisation")
         if friction is not None and not isinstance(friction, Friction):
             raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
         decide(V, material)
@@ -213,6 +213,7 @@ class ContactProblem:
 
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         Raises SingularSystem (rigid motions left free, or multipliers that no displacement feels), NotCoercive
-        (gamma0 too large), NotConverged.
+        (gamma0 too large), NotConverged, TypeError for another option.
         """
+        check_options(options, ("inverse", *STEP_OPTIONS), "ContactProblem.Solve")
         return solve(self, **options)

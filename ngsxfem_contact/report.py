@@ -15,6 +15,7 @@ class Report:
 
     inverse: the direct solver.    active: the active set of each iteration, the first is where it started.
     coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of descent after a cycle.
+    converged: whether residual and complementarity are small; None until they are measured.
     residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
     when u is recovered and NaN before (LoadSteps).    timings: seconds.
 
@@ -26,7 +27,7 @@ class Report:
     unknowns: tuple
     inverse: str = ""
     timings: dict = field(default_factory=dict)
-    converged: bool = False
+    converged: bool | None = None
     iterations: int = 0
     active: list = field(default_factory=list)
     coarse_iterations: int = 0
@@ -64,7 +65,7 @@ class Report:
             [
                 f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
                 f"direct solver    {self.inverse}",
-                f"converged        {self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
+                f"converged        {'not checked yet' if self.converged is None else self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
                 f"in contact       {sizes}" + (f"  (+ {self.fallback} safeguarded steps)" if self.fallback else ""),
                 *self._friction_lines(),
                 f"residual         {measured(self.residual)}",

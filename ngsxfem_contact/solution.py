@@ -237,7 +237,8 @@ class ContactSolution:
     def SaveVTK(self, path):
         """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
 
-        path: the ending is added if it is missing. The file appears when it is complete. Raises FileNotFoundError if there is no such folder.
+        path: the ending is added if it is missing. The file appears when it is complete.
+        Raises FileNotFoundError if there is no such folder, OSError if the disk is full.
         """
         from .plotting import save_vtk
 

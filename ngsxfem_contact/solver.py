@@ -7,7 +7,7 @@ from ngsolve import GridFunction
 
 from .active_set import coarse_start
 from .arguments import check_type, check_whole
-from .checks import check_coercive, check_gap, check_load, check_multiplier, check_rigid_motions
+from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
 from .cones import CONES
 from .contact_system import GivenTraction
 from .elimination import Elimination, ReducedLoad
@@ -21,6 +21,7 @@ from .report import Report, stage
 from .solution import ContactSolution, State
 
 TINY = np.finfo(float).tiny
+STEP_OPTIONS = ("cone", "r", "start", "max_iterations", "previous")
 
 
 def solve(problem, inverse=None, **options):
@@ -106,6 +107,7 @@ class ReducedProblem:
     def Load(self, F, given, applied, jumps):
         """The Load of a vector F and given displacements, arrays of length ndof, F the vector of `applied`: one back-substitution."""
         check_load(F, given)
+        check_energies(F, given, self.system.stiffness)
         traction = self.system.Given(applied)
         forces = F + traction.F
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
@@ -132,6 +134,7 @@ class ReducedProblem:
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         """
         problem, load, cone = self.problem, load or self.load, problem_cone(self.problem, cone)
+        self.system.CheckCone(cone)
         load = load if self.initial is None else self.initial + load
         check_whole(max_iterations, "max_iterations", 1)
         check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
@@ -143,7 +146,6 @@ class ReducedProblem:
             q = T.T @ (load.g - G)
             start = self._first_set(Q, q, start, previous, report)
             p = problem.friction.Solve(Q, q, self.system.nodes, cone, report, r, start, max_iterations)
-            report.converged = True
         L = T @ p
         moments = load.g + self.S @ L
         recover = lambda: self._recover(report, load, L, G, p, T, cone)
@@ -187,7 +189,7 @@ class ReducedProblem:
             T = transformation(self.problem.friction, cone, self.system.nodes)
             Q = T.T @ self.S @ T
             if self.check:
-                check_multiplier(Q)
+                check_multiplier(Q, self.system.gamma is not None)
             self.transformed[cone] = T, Q
         return self.transformed[cone]
 
@@ -202,15 +204,13 @@ class ReducedProblem:
     def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
         """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
         system, EL = self.system, self.system.Forces(L)
-        residual = self.elimination.Residual(load.forces + EL, U)
-        forces = max(np.abs(load.forces).max(), np.abs(EL).max(), self.elimination.ForceScale(U), TINY)
-        report.residual = float(np.abs(residual).max() / forces)
+        report.residual = self.elimination.RelativeResidual((load.forces, EL), U)
         report.complementarity = complementarity(system, self.problem, U, L, G, load.g - G, p, T, cone)
         report.converged = report.residual < tolerance and report.complementarity < tolerance
         if not report.converged:
             raise NotConverged(
-                f"the solution does not satisfy its own equations to {tolerance:g}: try another direct solver by inverse=..., or units in which "
-                f"lengths, stresses and displacements are not so far apart\n{report}"
+                f"the solution does not satisfy its own equations to {tolerance:g}: try another direct solver than inverse={self.elimination.name!r}, "
+                f"and look for elements or materials that differ by many orders of magnitude\n{report}"
             )
 
 

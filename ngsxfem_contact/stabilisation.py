@@ -17,12 +17,46 @@ from .face_traction import ComparedTraction
 from .operators import NORMAL, Strain
 
 
+class Stabilisation:
+    """What a stabilisation need not say: any object with `sides`, Gamma and IsSafe is one, and has these unless it has its own; see `trait`.
+
+    needs_eigenvalue: whether the factorised matrix may be positive although γ is too large; False where it is K - K_γ.
+    """
+
+    needs_eigenvalue = False
+
+    def Remedy(self, smallest):
+        """What to do about the smallest eigenvalue of K - K_γ against K, which is not positive."""
+        return f"make what Gamma returns at least {1 - smallest:.3g} times smaller"
+
+
+REQUIRED = ("sides", "Gamma", "IsSafe")
+
+
+def trait(stabilisation, name):
+    """An attribute of a stabilisation; that of Stabilisation where it has none."""
+    return getattr(stabilisation, name, getattr(Stabilisation(), name))
+
+
+def check_stabilisation(stabilisation, name):
+    """Raises TypeError for what is no stabilisation."""
+    if isinstance(stabilisation, type) or not any(hasattr(stabilisation, part) for part in REQUIRED):
+        raise TypeError(f"{name}={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
+    missing = [part for part in REQUIRED if not hasattr(stabilisation, part)]
+    if missing:
+        raise TypeError(f"{name}={stabilisation!r} has no {' and no '.join(missing)}; docs/extending.md says what they are")
+
+
+def smaller_gamma0(gamma0, smallest, otherwise):
+    """The Remedy for a number gamma0."""
+    return f"take gamma0 = {gamma0:g} below {gamma0 / (1 - smallest):.3g}, or {otherwise}"
+
+
 @dataclass(frozen=True)
-class Unstabilised:
+class Unstabilised(Stabilisation):
     """K_γ = C_γ = D_γ = 0."""
 
     sides = {}
-    needs_eigenvalue = False  # a positive factorised matrix shows that γ is small enough
 
     def Gamma(self, V, material, components=(NORMAL,)):
         """None: there is no γ."""
@@ -34,7 +68,7 @@ class Unstabilised:
 
 
 @dataclass(frozen=True)
-class BarbosaHughes:
+class BarbosaHughes(Stabilisation):
     """γ on the cracks.
 
     gamma0: γ = gamma0 h_T with h_T the longest edge of each element; gamma has the unit of length over stress.
@@ -49,7 +83,6 @@ class BarbosaHughes:
     theta: float = 0.5
 
     sides = {"larger": 1}
-    needs_eigenvalue = False  # a positive factorised matrix shows that γ is small enough
 
     def __post_init__(self):
         if self.gamma0 is not None:
@@ -64,17 +97,23 @@ class BarbosaHughes:
         """γ_T / h_T for each of crack_elements."""
         if self.gamma0 is not None:
             return np.full(len(crack_elements(V.body)), self.gamma0)
-        constants = trace_constants(V, material, components)
+        constants, moduli = trace_constants(V, material, components), local_moduli(V, material)
         # an element on which R_h vanishes needs no bound of its own
-        return self.theta / np.maximum(constants, 1e-3 * constants.max())
+        return self.theta / np.maximum(constants, 1e-3 * (constants / moduli).max() * moduli)
 
     def IsSafe(self, V, material, components=(NORMAL,)):
         """Whether the local eigenproblems prove K - K_γ positive."""
         return self.gamma0 is None or self.gamma0 * trace_constants(V, material, components).max() < 1
 
+    def Remedy(self, smallest):
+        """A smaller γ."""
+        if self.gamma0 is None:
+            return f"γ was chosen element by element for a coercivity of {1 - self.theta:g}: take a smaller theta"
+        return smaller_gamma0(self.gamma0, smallest, "gamma0=None, which chooses γ itself")
+
 
 @dataclass(frozen=True)
-class BothSides:
+class BothSides(Stabilisation):
     """R_h(v)² replaced by weight (σ_n(v⁺)² + σ_n(v⁻)²), R_h(v) by weight (σ_n(v⁺) + σ_n(v⁻)), γ = gamma0 h_T.
 
     weight=1 is what the authors' program does: against one ∫γλμ it is not consistent and imposes gap = γ|λ| in contact
@@ -83,8 +122,6 @@ class BothSides:
 
     gamma0: float
     weight: float = 1
-
-    needs_eigenvalue = False
 
     def __post_init__(self):
         check_positive(self.gamma0, "BothSides: gamma0")
@@ -103,6 +140,10 @@ class BothSides:
         """False: no local bound is known, the eigenvalue has to be computed."""
         return False
 
+    def Remedy(self, smallest):
+        """A smaller γ."""
+        return smaller_gamma0(self.gamma0, smallest, "BarbosaHughes(), which chooses γ itself")
+
 
 def element_gamma(V, limits):
     """γ = limit h_T, weighted at the tips, for one limit on each of crack_elements; where cracks share one, the least."""
@@ -118,6 +159,13 @@ def element_gamma(V, limits):
 def crack_elements(body):
     """The ElementLocations of all cracks."""
     return [location for c in range(len(body.cracks)) for location in body.Elements(c)]
+
+
+def local_moduli(V, material):
+    """lam + 2 mu on each of crack_elements."""
+    modulus = GridFunction(L2(V.mesh, order=0))
+    modulus.Set(CoefficientFunction(material.lam + 2 * material.mu))
+    return np.array([modulus.vec[location.element] for location in crack_elements(V.body)])
 
 
 def tip_weight(V):
@@ -164,10 +212,20 @@ def _largest_ratio(V, element, trace, energy, kernel=1e-10):
     fe, trafo = V.GetFE(ei), V.mesh.GetTrafo(ei)
     R, A = (np.array(form.integrators[0].CalcElementMatrix(fe, trafo)) for form in (trace, energy))
     diagonal = A.diagonal().copy()
-    used = diagonal > 1e-28 * diagonal.max()
+    used = diagonal > 1e-28 * largest_of_kind(diagonal, V, V.GetDofNrs(ei))
     scale = 1 / np.sqrt(diagonal[used])
     R, A = (M[np.ix_(used, used)] * scale[:, None] * scale for M in (R, A))
     values, vectors = np.linalg.eigh(A)
     regular = values > kernel * values[-1]
     basis = vectors[:, regular] / np.sqrt(values[regular])
     return np.linalg.eigvalsh(basis.T @ R @ basis)[-1]
+
+
+def largest_of_kind(values, V, dofs):
+    """For each unknown the largest of the values that have its unit: of all polynomials, or of the functions of its tip."""
+    kind = np.zeros(len(dofs), dtype=int)
+    for tip in range(len(V.body.tips)):
+        kind[np.isin(dofs, V.TipDofs(tip))] = tip + 1
+    largest = np.zeros(kind.max() + 1)
+    np.maximum.at(largest, kind, values)
+    return largest[kind]

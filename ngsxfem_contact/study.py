@@ -6,6 +6,7 @@ Every finished solve is one line of study.jsonl, so that a stopped study goes on
 import csv
 import json
 import pickle
+from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 
@@ -16,7 +17,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 from .checks import Coercivity, InfSup
 from .cones import CONES
 from .errors import SolveError
-from .files import write_whole
+from .files import UnreadableFile, only_one, write_whole
 from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, varied_mesh
 from .problem import ContactProblem
 from .report import Report
@@ -28,6 +29,19 @@ SIZES = (0.088, 0.057, 0.03, 0.016, 0.008)
 REFERENCE_CELLS = 185  # odd, so that the crack crosses cells: longest edge 0.0076, the paper's h = 0.0027 (side / 2)
 GAMMA0 = tuple(float(g) for g in np.logspace(-4, 0, 17))
 ORDER = 7  # of the rules for errors
+
+
+def versions():
+    """Of this package and of NGSolve: results of other versions are not taken for those of this one."""
+    return "-".join(installed_version(package) for package in ("ngsxfem_contact", "ngsolve"))
+
+
+def installed_version(package):
+    """Its number, or "unknown" in a source tree that is not installed."""
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "unknown"
 
 
 def realisation_mesh(h, realisation, structured=False):
@@ -42,7 +56,7 @@ def structured_mesh(cells):
 
 def reference_solution(folder, cells=REFERENCE_CELLS):
     """The P2/P1 solution on a fine structured mesh, stabilised; computed once and kept in the folder."""
-    path = Path(folder) / f"reference-{cells}.pickle"
+    path = Path(folder) / f"reference-{cells}-{versions()}.pickle"
     if not path.exists():
         with TaskManager():
             solution = paper_problem(structured_mesh(cells)).Solve()
@@ -55,7 +69,10 @@ class Reference:
     """u and λ of the reference at given points; the multiplier as the piecewise linear function of its nodal values."""
 
     def __init__(self, path):
-        self.u, self.multiplier, self.active = pickle.loads(Path(path).read_bytes())
+        try:
+            self.u, self.multiplier, self.active = pickle.loads(Path(path).read_bytes())
+        except (pickle.UnpicklingError, EOFError, AttributeError, IndexError, ValueError) as error:
+            raise UnreadableFile(f"{path} is no reference solution ({error}); delete it, it will be computed again") from None
         self.nodes = np.array(self.multiplier.space.basis.nodes[0])
         self.nodal_values = self.multiplier.vec.FV().NumPy().copy()
 
@@ -190,26 +207,39 @@ def inf_sup_record(mesh, pair, key):
 
 
 class Study:
-    """Runs what is missing in study.jsonl and says how far it is."""
+    """Runs what is missing in study.jsonl and says how far it is.
+
+    The file may hold records of other references (cells) and versions: they are kept, and are no part of this study's `records`.
+    """
 
     def __init__(self, folder, sizes=SIZES, realisations=5, structured=False, cells=REFERENCE_CELLS, progress=print):
         self.folder, self.sizes, self.realisations, self.structured, self.cells = Path(folder), sizes, realisations, structured, cells
         self.progress = progress
         self.folder.mkdir(parents=True, exist_ok=True)
         self.path = self.folder / "study.jsonl"
-        self.records = read_records(self.path)
-        write_records(self.path, self.records)  # without a line that was cut off
+        self.setting = {"cells": cells, "versions": versions()}
+
+    def _read(self):
+        records = read_records(self.path)
+        write_records(self.path, records)  # without a line that was cut off
+        self.records = [record for record in records if self.setting.items() <= record.items()]
         self.done = {record_key(record) for record in self.records}
 
     def Add(self, records):
         """Appends finished records to the file."""
+        records = [record | self.setting for record in records]
         with open(self.path, "a", encoding="utf-8") as file:
             file.write("".join(json.dumps(record) + "\n" for record in records))
         self.records += records
         self.done |= {record_key(record) for record in records}
 
     def Run(self):
-        """All that is missing; returns the records."""
+        """All that is missing; returns the records. Raises BlockingIOError if another process works in the folder, UnreadableFile for damaged files."""
+        with only_one(self.folder / "study.lock", f"the folder {self.folder}"):
+            self._read()
+            return self._run()
+
+    def _run(self):
         self.progress("reference solution ...")
         self.reference = Reference(reference_solution(self.folder, self.cells))
         meshes = [(h, i, self.structured) for h in self.sizes for i in range(self.realisations)]
@@ -229,7 +259,7 @@ class Study:
         mesh = realisation_mesh(h, i, structured)
         measure = ErrorMeasure(paper_problem(mesh, pair="P1/P1").body, self.reference)  # its tip functions grade the rules
         if "reference" not in {record["kind"] for record in self.records}:
-            self.Add([{"kind": "reference", "cells": self.cells, "norm": measure.Norms()}])
+            self.Add([{"kind": "reference", "norm": measure.Norms()}])
         for key, run in missing:
             self.Add(run(measure, mesh, key))
 
@@ -256,14 +286,19 @@ def record_key(record):
 
 
 def read_records(path):
-    """The records of a study; a line that was cut off is left out."""
-    records = []
-    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
-        try:
-            records.append(json.loads(line))
-        except json.JSONDecodeError:
-            continue
-    return records
+    """The records of a study; a last line that was cut off is left out. Raises UnreadableFile for any other line that is no record."""
+    lines = path.read_text(encoding="utf-8", errors="replace").split("\n") if path.exists() else [""]
+    return [read_record(line, path, number + 1) for number, line in enumerate(lines[:-1])]
+
+
+def read_record(line, path, number):
+    """That of a line."""
+    try:
+        record = json.loads(line)
+        record_key(record)
+        return record
+    except (json.JSONDecodeError, KeyError, TypeError, AttributeError) as error:
+        raise UnreadableFile(f"{path}, line {number} is no record of a study ({error}); delete the line, and what it held will be computed again") from None
 
 
 def write_records(path, records):

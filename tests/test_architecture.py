@@ -131,7 +131,7 @@ def test_a_form_never_names_a_solver(module):
     assert not reachable(python_graph(lazy=True), module) & SOLVING
 
 
-@pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "nodal_newton", "friction", "elimination", "pardiso"])
+@pytest.mark.parametrize("module", ["stabilisation", "cones", "active_set", "box_path", "nodal_newton", "friction", "elimination", "pardiso"])
 def test_a_method_never_names_results(module):
     assert not reachable(python_graph(lazy=True), module) & (RESULTS | {"problem", "solver"})
 

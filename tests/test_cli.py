@@ -1,8 +1,11 @@
 """python -m ngsxfem_contact: what it writes, and what it leaves when it fails."""
 
 import json
+import os
+import resource
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib.figure
@@ -10,7 +13,7 @@ import pytest
 from ngsolve import Mesh, SetNumThreads
 
 from ngsxfem_contact import __main__ as cli
-from ngsxfem_contact.paper import REFERENCE
+from ngsxfem_contact.paper import REFERENCE, paper_problem, unstructured_mesh
 
 SetNumThreads(1)
 
@@ -115,7 +118,7 @@ def test_problem_without_an_answer_writes_nothing(monkeypatch, tmp_path, capsys)
 
 def test_gamma0_too_large_is_no_answer(tmp_path, capsys):
     assert cli.main(["--h", "0.2", "--gamma0", "10", "--output", str(tmp_path)]) == 1
-    assert "gamma0 = 10 is too large" in capsys.readouterr().err and names(tmp_path) == set()
+    assert "take gamma0 = 10 below" in capsys.readouterr().err and names(tmp_path) == set()
 
 
 def test_output_that_is_a_file(tmp_path, capsys):
@@ -158,3 +161,55 @@ def test_a_file_appears_when_it_is_whole(tmp_path, error):
     with pytest.raises(error):
         cli.write_whole(tmp_path / "result.txt", write)
     assert names(tmp_path) == set()
+
+
+@contextmanager
+def files_limited_to(size):
+    """As if the disk were full after that many bytes."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("old", [None, "of an earlier run"])
+def test_a_full_disk_is_an_error_and_leaves_no_half_file(tmp_path, old):
+    solution = paper_problem(unstructured_mesh(0.2), "B", "P2/P1").Solve()
+    path = tmp_path / "crack.vtu"
+    whole = Path(solution.SaveVTK(tmp_path / "whole.vtu")).stat().st_size
+    if old:
+        path.write_text(old)
+    for size in (0, whole // 3, whole - 20):
+        with files_limited_to(size), pytest.raises(OSError, match="crack.vtu cannot be written: it broke off after .* bytes; is the disk full"):
+            solution.SaveVTK(path)
+        assert names(tmp_path) == {"whole.vtu", *(["crack.vtu"] if old else [])} and (not old or path.read_text() == old)
+    solution.SaveVTK(path)
+    assert path.stat().st_size == whole
+
+
+def test_every_other_writer_reports_a_full_disk(tmp_path):
+    for write in (lambda path: path.write_text("x" * 5000), lambda path: path.write_bytes(b"x" * 5000)):
+        with files_limited_to(1000), pytest.raises(OSError):
+            cli.write_whole(tmp_path / "result.txt", write)
+    with pytest.raises(OSError, match="it broke off after 0 bytes"):
+        cli.write_whole(tmp_path / "result.txt", lambda path: None)
+    assert names(tmp_path) == set()
+
+
+def test_without_matplotlib_it_says_so_and_goes_on(monkeypatch, tmp_path, capsys):
+    for module in ("matplotlib", "matplotlib.pyplot"):
+        monkeypatch.setitem(sys.modules, module, None)
+    assert cli.main(["--h", "0.2", "--output", str(tmp_path), "--quiet"]) == 0
+    assert names(tmp_path) == {"summary.txt", "summary.json", "solution.vtu"}
+    said = capsys.readouterr()
+    assert said.err.startswith("no figures: they need matplotlib, run `pip install ngsxfem_contact[plot]`") and "body.png" not in said.out
+
+
+def test_a_terminal_without_greek_letters(tmp_path):
+    command = [sys.executable, "-m", "ngsxfem_contact", "--h", "0.2", "--no-figures", "--output", str(tmp_path)]
+    environment = os.environ | {"PYTHONIOENCODING": "ascii", "LANG": "C", "LC_ALL": "C"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, encoding="ascii")
+    assert done.returncode == 0 and done.stderr == "" and "contact force ??" in done.stdout
+    assert "contact force ∫λ" in (tmp_path / "summary.txt").read_text(encoding="utf-8")

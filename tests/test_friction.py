@@ -37,7 +37,7 @@ from ngsxfem_contact.nodal_newton import (
     States,
     Threshold,
     first_states,
-    least_index,
+    safeguarded,
     solve_states,
     uniqueness_number,
     violation,
@@ -122,7 +122,7 @@ def test_given_thresholds_have_one_solution_and_it_is_found(m):
 
 
 @pytest.mark.parametrize("m", [1, 2, 3])
-def test_least_index_finds_what_enumeration_finds(m):
+def test_the_path_finds_what_enumeration_finds(m):
     """The safeguard alone, for symmetric matrices and for others that are positive definite; some thresholds are zero."""
     rng = np.random.default_rng(20 + m)
     for i in range(20):
@@ -131,7 +131,7 @@ def test_least_index_finds_what_enumeration_finds(m):
         law = Threshold(rng.uniform(0, 1, m) * (rng.random(m) < 0.8), np.zeros(m))
         (exact,) = enumerated(Q + skew - skew.T, q, law)
         start = States(rng.random(m) < 0.5, np.where(law.base > 0, STICK, FREE))
-        result = least_index(Q + skew - skew.T, q, law, start)
+        result = safeguarded(Q + skew - skew.T, q, law.base, start)
         assert result.p == pytest.approx(exact, rel=1e-7, abs=1e-9)
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from helpers import rectangle
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, IfPos, Mesh, SetNumThreads, specialcf, x, y
+from ngsolve import CF, VOL, ElementId, IfPos, Mesh, SetNumThreads, specialcf, x, y
 
-from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact import closed_forms as cf
 from ngsxfem_contact.paper import PAIRS
 
@@ -94,6 +94,18 @@ def test_equal_materials_are_one_material():
         problem.SetDirichlet((0.01 * x * y, -0.01 * y), "outer")
         energies.append(problem.Solve().Energy())
     assert energies[0] == pytest.approx(energies[1], rel=1e-10)
+
+
+def test_gamma_in_a_soft_part_does_not_depend_on_a_stiff_one():
+    """The floor of C_T, for elements on which R_h nearly vanishes, is one of their own material."""
+    limits = []
+    for stiff in (RUBBER, Elasticity(lam=1e9, mu=1e9)):
+        mesh = two_blocks(0.15, vertical=True)
+        material = Elasticity.ByRegion(mesh, {"plus": stiff, "minus": RUBBER})
+        body = CrackedMesh(mesh, cf.crack_on_axis(-0.5, 0.5))
+        soft = [mesh[ElementId(VOL, location.element)].mat == "minus" for location in body.Elements(0)]
+        limits.append(BarbosaHughes().Limits(CrackFESpace(body, order=2, tip=None), material)[soft])
+    assert len(limits[0]) > 3 and np.allclose(*limits, rtol=1e-10, atol=0)
 
 
 def space(mesh, crack, **tip):

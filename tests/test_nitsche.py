@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from helpers import array, random_function
-from ngsolve import SetNumThreads
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, Mesh, SetNumThreads
 
 from ngsxfem_contact import (
     BarbosaHughes,
@@ -230,3 +231,44 @@ def test_wrong_input():
         Nitsche(1, points=0)
     with pytest.raises(ValueError, match="belongs to a multiplier"):
         coarse(stabilisation=Nitsche(1), cone="weak").Solve()
+
+
+FLAT_PLATES = {  # half axes of a polygon around the origin, number of corners, largest element, crack behind its mouth, order, functions of the tip
+    "round": ((0.62, 0.6), 5, 0.2, [(0.14, 0.12), (0.25, 0.05)], 2, "modes"),
+    "flat": ((0.7, 0.04), 7, 0.18, [(-0.05, 0.004), (0.3, -0.01)], 1, "branch"),
+    "flat, straight": ((0.7, 0.045), 7, 0.16, [(0.25, -0.006)], 1, "modes"),
+}
+
+
+def flat_plate(name, stabilisation, friction):
+    """A polygon, flattened with its mesh, held on one side; a body force and tractions that vary from side to side."""
+    (a, b), corners, maxh, crack, order, functions = FLAT_PLATES[name]
+    angles = 2 * np.pi * (np.arange(corners) + 0.5) / corners + 0.13
+    geometry = SplineGeometry()
+    places = [(a * np.cos(angle), a * np.sin(angle)) for angle in angles]
+    points = [geometry.AppendPoint(*place) for place in places]
+    for i in range(corners):
+        geometry.Append(["line", points[i], points[(i + 1) % corners]], bc=f"s{i}")
+    mesh = geometry.GenerateMesh(maxh=maxh)
+    for point in mesh.Points():
+        point[1] = point[1] * b / a
+    mouth = min((0.5 * np.add(p, q) for p, q in zip(places, places[1:])), key=lambda middle: middle[0])
+    material = Elasticity.PlaneStrain(E=1, nu=0.49)
+    body = CrackedMesh(Mesh(mesh), Crack([(mouth[0], mouth[1] * b / a), *crack]))
+    V = CrackFESpace(body, order=order, tip=TipEnrichment(material=material, functions=functions), dirichlet=f"s{corners - 1}")
+    problem, v = ContactProblem(V, TraceSpace(body), material, stabilisation=stabilisation, friction=friction), V.TestFunction()
+    problem.f += CF((0.004, 0.011)) * v * body.dx
+    for i in range(corners - 1):
+        problem.f += 0.03 * CF((np.cos(2.7 * i), np.sin(1.9 * i))) * v * body.ds(f"s{i}")
+    return problem
+
+
+@pytest.mark.parametrize("threshold", [0.003, 0.03, 0.1])
+@pytest.mark.parametrize("name", FLAT_PLATES)
+def test_given_thresholds_are_solved_for_every_theta(name, threshold):
+    """The problem is convex (θ = 1) or monotone: it has one solution, whose energies agree but for the discretisation."""
+    multiplier = flat_plate(name, BarbosaHughes(), Tresca(threshold)).Solve().Energy()
+    for theta in (1, 0, -1):
+        solution = flat_plate(name, Nitsche(theta), Tresca(threshold)).Solve()
+        assert solution.report.complementarity < 1e-8
+        assert solution.Energy() == pytest.approx(multiplier, rel=0.1 if name == "round" else 0.8)

@@ -7,6 +7,7 @@ import pytest
 from ngsolve import Integrate, SetNumThreads
 
 from ngsxfem_contact import BarbosaHughes, BothSides, NormalGap, NotCoercive
+from ngsxfem_contact.files import UnreadableFile, only_one
 from ngsxfem_contact.paper import MATERIAL, paper_problem
 from ngsxfem_contact.study import ErrorMeasure, Reference, Study, oscillation, read_records, reference_solution, structured_mesh
 
@@ -63,6 +64,48 @@ def test_a_stopped_study_goes_on_where_it_was(folder, reference):
     assert len(read_records(path)) == len(again)
 
 
+def tiny_study(folder, cells=5):
+    return Study(folder, sizes=(0.3,), realisations=1, structured=True, cells=cells, progress=lambda line: None)
+
+
+def test_other_references_and_versions_are_other_studies(tmp_path, monkeypatch):
+    """What is in the folder is kept, and no part of what is asked for."""
+    numbers = lambda records: sorted(record["error"]["H1"] for record in records if record["kind"] == "convergence")
+    first = numbers(tiny_study(tmp_path).Run())
+    other = numbers(tiny_study(tmp_path, cells=9).Run())
+    assert len(first) == len(other) and not np.allclose(first, other, rtol=1e-3)
+    monkeypatch.setattr("ngsxfem_contact.study.versions", lambda: "another")
+    study = tiny_study(tmp_path)
+    assert numbers(study.Run()) == pytest.approx(first, rel=1e-10) and {record["versions"] for record in study.records} == {"another"}
+    settings = [(record["cells"], record["versions"]) for record in read_records(tmp_path / "study.jsonl")]
+    assert len(set(settings)) == 3
+    assert (tmp_path / "study.csv").read_text().count("\n") == 1 + len(first)
+
+
+@pytest.mark.parametrize("line", ["{not json", "[1, 2]", '{"mesh": "structured"}', "\0\0\0", ""])
+def test_damaged_lines_are_named(tmp_path, line):
+    good = json.dumps({"kind": "reference", "norm": {}})
+    (tmp_path / "study.jsonl").write_text(f"{good}\n{line}\n{good}\n")
+    with pytest.raises(UnreadableFile, match="study.jsonl, line 2 is no record of a study .*; delete the line"):
+        tiny_study(tmp_path).Run()
+    assert (tmp_path / "study.jsonl").read_text() == f"{good}\n{line}\n{good}\n"
+
+
+def test_a_damaged_reference_is_named(tmp_path):
+    tiny_study(tmp_path).Run()
+    (path,) = tmp_path.glob("reference-5-*.pickle")
+    path.write_bytes(path.read_bytes()[:1000])
+    with pytest.raises(UnreadableFile, match="reference-5-.*is no reference solution .*; delete it"):
+        tiny_study(tmp_path).Run()
+
+
+def test_two_studies_do_not_work_in_one_folder(tmp_path):
+    with only_one(tmp_path / "study.lock", "this folder"):
+        with pytest.raises(BlockingIOError, match="is in use by another process; wait for it, or take another folder"):
+            tiny_study(tmp_path).Run()
+    assert tiny_study(tmp_path).Run()  # a lock file that is left over is none
+
+
 def test_errors_fall_with_the_mesh(reference):
     errors = []
     for cells in (5, 9, 15):
@@ -96,7 +139,7 @@ def test_both_sides_against_one_mass_term_impose_a_gap():
 
 
 def test_both_sides_depend_on_slivers():
-    with pytest.raises(NotCoercive, match="gamma0 = 0.1 is too large"):
+    with pytest.raises(NotCoercive, match="γ is too large.*take gamma0 = 0.1 below"):
         paper_problem(structured_mesh(15), stabilisation=BothSides(0.1)).Solve()
 
 

@@ -16,7 +16,7 @@ GROUPS = {
     "geometry": "curve_piece crack tip_curve element_division element_location cut_rule curved_rule cut_element cracked_mesh crack_normal geometry",
     "spaces": "tip_functions crack_element diffops crack_fespace crack_enrichment crack_bilinearform trace_space spaces tip_disk interpolation",
     "forms": "cut_integral operators elasticity mouths boundary_samples load",
-    "methods": "bordered_matrix schur_complement elimination pardiso active_set nodal_newton cones friction stabilisation nitsche checks conditioning connectivity negligible",
+    "methods": "bordered_matrix schur_complement elimination pardiso active_set box_path nodal_newton cones friction stabilisation nitsche checks conditioning connectivity negligible",
     "problem and solver": "problem supports reactions solver load_steps solution report errors",
     "reading solutions": "fracture fracture_solutions tip_fields growth split_mesh plotting closed_forms arc_solution",
     "the paper and its study": "paper shapes study analysis figures __main__",
