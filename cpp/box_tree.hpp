@@ -21,7 +21,8 @@ namespace ngsxfem_contact
     double DistanceTo (const Box & other) const
     {
       auto off = [&] (int k) { return std::max({ lo(k)-other.hi(k), other.lo(k)-hi(k), 0.0 }); };
-      return std::hypot(off(0), off(1));
+      double dx = off(0), dy = off(1);
+      return sqrt(dx*dx + dy*dy);
     }
     double DistanceTo (Point p) const { return DistanceTo(Box { p, p }); }
   };
