@@ -283,6 +283,7 @@ namespace ngsxfem_contact
 
   void CrackFESpace :: GetComponent (ElementId ei, Array<DofId> & functions) const
   {
+    body->CheckMesh();
     scalar->GetDofNrs(ei, functions);
     if (ei.VB() <= BND)
       for (auto j : HeavisideOf(ei).global) functions.Append(NumScalar()+j);

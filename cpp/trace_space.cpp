@@ -333,6 +333,7 @@ namespace ngsxfem_contact
 
   void TraceSpace :: GetDofNrs (ElementId ei, Array<DofId> & dnums) const
   {
+    body->CheckMesh();
     dnums.SetSize0();
     if (ei.VB() == VOL && body->Find(ei.Nr())) basis->GetDofNrs(ei.Nr(), dnums);
   }

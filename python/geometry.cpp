@@ -180,7 +180,8 @@ static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
       "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n\n"
-      "mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined afterwards: build a new CrackedMesh then.\n"
+      "mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined, curved or moved (SetDeformation) afterwards:\n"
+      "all that is built on the body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n"
       "Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the\n"
       "larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds(\"left|right\").\n"
       "Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet\n"
@@ -194,6 +195,7 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("mesh", &CrackedMesh::GetMesh, "The mesh of NGSolve.")
     .def_property_readonly("cracks", &CracksOf, "The Cracks, in the order in which they were given.")
     .def_property_readonly("tips", &CrackedMesh::Tips, "The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.")
+    .def("CheckMesh", &CrackedMesh::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.")
     .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"), "The two CrackEnds of a crack, its start first.")
     .def("Elements", [] (const CrackedMesh & b, size_t c) { b.CheckMesh(); return b.Location(c).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
     .def("Parts", [] (const CrackedMesh & b, size_t element)

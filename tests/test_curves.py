@@ -95,7 +95,7 @@ def test_a_parametrised_curve_is_met_to_its_tolerance():
         for s in np.linspace(0, crack.length, 97):
             px, py = crack.PointAt(s)
             assert py == pytest.approx(0.4 + 0.1 * np.sin(3 * px), abs=2 * tolerance)
-    assert pieces[0] < 30 and pieces[1] < 400
+    assert pieces[0] < 30 and pieces[1] < 600
     t, w = np.polynomial.legendre.leggauss(40)
     assert crack.length == pytest.approx(0.5 * w @ np.hypot(1, 0.3 * np.cos(1.5 * (1 + t))), rel=1e-12)
     with pytest.raises(ValueError, match="smooth"):
