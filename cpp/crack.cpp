@@ -8,12 +8,12 @@ namespace ngsxfem_contact
 
   namespace
   {
-    bool Cross (Point a, Point b, Point c, Point d)
+    bool AreCrossing (Point a, Point b, Point c, Point d)
     {
       // the sign of three points on a line is round-off; segments that touch there are found by their end points
       auto orient = [] (Point p, Point q, Point r)
       {
-        double o = ngsxfem_contact::Cross(q-p, r-p);
+        double o = Cross(q-p, r-p);
         return std::abs(o) <= 1e-14*Norm(Point(q-p))*Norm(Point(r-p)) ? 0 : o;
       };
       return orient(a,b,c)*orient(a,b,d) < 0 && orient(c,d,a)*orient(c,d,b) < 0;
@@ -22,7 +22,7 @@ namespace ngsxfem_contact
     /// The distance of the segments ab and cd, and where: the crossing, or the end that is nearest to the other segment.
     std::pair<double, Point> Approach (Point a, Point b, Point c, Point d)
     {
-      if (Cross(a, b, c, d)) return { 0, Lerp(a, b, ngsxfem_contact::Cross(c-a, d-c) / ngsxfem_contact::Cross(b-a, d-c)) };
+      if (AreCrossing(a, b, c, d)) return { 0, Lerp(a, b, Cross(c-a, d-c) / Cross(b-a, d-c)) };
       std::pair<double, Point> ends[] { { Distance(a,c,d), a }, { Distance(b,c,d), b }, { Distance(c,a,b), c }, { Distance(d,a,b), d } };
       return *std::min_element(std::begin(ends), std::end(ends), [] (auto & p, auto & q) { return p.first < q.first; });
     }
@@ -61,24 +61,28 @@ namespace ngsxfem_contact
     for (size_t i = 1; i < NumSegments(); i++)
       kink[i] = Norm(Point(Tangent(i, arclength[i]) - Tangent(i-1, arclength[i])))
         > (IsStraight(i-1) && IsStraight(i) ? straight_turn : smooth_turn);
-    for (auto & piece : pieces)
+    MakeBoxes();
+  }
+
+  void Crack :: MakeBoxes ()
+  {
+    std::vector<Box> all;
+    for (size_t piece = 0; piece < NumSegments(); piece++)
       {
         constexpr double turn = 0.25;
-        auto s = piece->IsStraight() ? std::vector<double> { 0, piece->Length() } : piece->Samples(turn);
-        boxes.emplace_back();
+        auto s = Samples(piece, turn);
         for (size_t i = 0; i+1 < s.size(); i++)
           {
-            Point a = piece->PointAt(s[i]), b = piece->PointAt(s[i+1]), lo, hi;
-            double sagitta = piece->IsStraight() ? 0 : 0.25*turn*(s[i+1]-s[i]);
-            for (int k : { 0, 1 })
-              {
-                lo(k) = std::min(a(k), b(k)) - sagitta;
-                hi(k) = std::max(a(k), b(k)) + sagitta;
-              }
-            boxes.back().push_back({ lo, hi });
+            double sagitta = IsStraight(piece) ? 0 : 0.25*turn*(s[i+1]-s[i]);
+            all.push_back(BoxOf(std::array { pieces[piece]->PointAt(s[i]), pieces[piece]->PointAt(s[i+1]) }).Grown(sagitta));
+            piece_of.push_back(piece);
           }
       }
+    boxes = BoxTree(all);
   }
+
+  std::vector<double> Crack :: Samples (size_t piece, double turn) const
+  { return IsStraight(piece) ? std::vector<double> { 0, pieces[piece]->Length() } : pieces[piece]->Samples(turn); }
 
   void Crack :: CheckSegments () const
   {
@@ -114,16 +118,21 @@ namespace ngsxfem_contact
     for (size_t i = 0; i < NumSegments(); i++)
       {
         constexpr double turn = 0.02;
-        auto s = IsStraight(i) ? std::vector<double> { 0, pieces[i]->Length() } : pieces[i]->Samples(turn);
+        auto s = Samples(i, turn);
         for (size_t k = 0; k+1 < s.size(); k++)
           {
             Point a = k == 0 ? points[i] : pieces[i]->PointAt(s[k]), b = k+2 == s.size() ? points[i+1] : pieces[i]->PointAt(s[k+1]);
             chords.push_back({ a, b, i, IsStraight(i) ? 0 : 0.125*turn*(s[k+1]-s[k]) });
           }
       }
+    std::vector<Box> around;
+    for (auto & chord : chords)
+      around.push_back(BoxOf(std::array { chord.a, chord.b }).Grown(chord.sagitta + geometric_tolerance*Length()));
+    BoxTree tree(around);
     for (size_t i = 0; i < chords.size(); i++)
-      for (size_t j = i+1; j < chords.size(); j++)
+      tree.VisitMeeting(around[i], [&] (size_t j)
         {
+          if (j <= i) return;
           auto & c = chords[i], & d = chords[j];
           // neighbours share d.a
           auto [distance, place] = j == i+1 ? std::pair(std::min(Distance(d.b, c.a, c.b), Distance(c.a, d.a, d.b)), d.a)
@@ -132,14 +141,16 @@ namespace ngsxfem_contact
           if (distance <= geometric_tolerance * Length() + sagittas)
             throw Exception("Crack: segments " + std::to_string(c.piece) + " and " + std::to_string(d.piece) + " meet near "
                             + ToString(place) + "; a crack must not touch or cross itself: split or shorten it");
-        }
+        });
   }
 
   Point Crack :: Tangent (size_t i, double s) const
+  { return IsStraight(i) ? pieces[i]->Derivative(0) : pieces[i]->Tangent(s-arclength[i]); }
+
+  Point Crack :: Tangent (const Projection & at) const
   {
-    if (!IsStraight(i)) return pieces[i]->Tangent(s-arclength[i]);
-    Point d = points[i+1]-points[i];
-    return Point(1/Norm(d) * d);
+    Point d = pieces[at.segment]->Derivative(at.t);
+    return IsStraight(at.segment) ? d : Point(1/Norm(d) * d);
   }
 
   size_t Crack :: SegmentAt (double s) const
@@ -159,64 +170,47 @@ namespace ngsxfem_contact
     return Dot(Point(p-points[i]), Normal(i, arclength[i]));
   }
 
-  bool Crack :: MayMeet (size_t i, Point lo, Point hi) const
+  std::vector<size_t> Crack :: PiecesNear (const Box & box) const
   {
-    for (auto & box : boxes[i])
-      if (box.hi(0) >= lo(0) && box.lo(0) <= hi(0) && box.hi(1) >= lo(1) && box.lo(1) <= hi(1)) return true;
-    return false;
-  }
-
-  double Crack :: DistanceFromBoxes (size_t i, Point p) const
-  {
-    double distance = std::numeric_limits<double>::infinity();
-    for (auto & box : boxes[i])
-      {
-        auto off = [&] (int k) { return std::max({ box.lo(k)-p(k), p(k)-box.hi(k), 0.0 }); };
-        distance = std::min(distance, std::hypot(off(0), off(1)));
-      }
-    return distance;
+    std::vector<size_t> near;
+    boxes.VisitMeeting(box, [&] (size_t i) { near.push_back(piece_of[i]); });
+    std::ranges::sort(near);
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    return near;
   }
 
   Crack::Projection Crack :: NearestOn (size_t i, Point p) const
   {
-    double length = arclength[i+1]-arclength[i], along, clamped, distance;
-    if (IsStraight(i))
-      {
-        along = Dot(Point(p-points[i]), Tangent(i, 0));
-        clamped = std::clamp(along, 0.0, length);
-        distance = Norm(Point(p - points[i] - clamped*Tangent(i, 0)));
-      }
-    else
-      {
-        auto & piece = *pieces[i];
-        double t = piece.Nearest(p);
-        distance = Norm(Point(p-piece.Value(t)));
-        clamped = along = piece.ArcLength(t);
-        if (t <= 0) along = Dot(Point(p-piece.Value(0)), piece.Derivative(0));
-        if (t >= piece.End()) along = length + Dot(Point(p-piece.Value(t)), piece.Derivative(t));
-      }
-    return { i, arclength[i]+clamped, distance, (i == 0 && along < 0) || (i+1 == NumSegments() && along > length) };
+    auto & piece = *pieces[i];
+    double t = piece.Nearest(p), end = piece.End();
+    Point off = p-piece.Value(t);
+    bool before = i == 0 && t <= 0 && Dot(off, piece.Derivative(t)) < 0;
+    bool after = i+1 == NumSegments() && t >= end && Dot(off, piece.Derivative(t)) > 0;
+    return { i, t, Norm(off), before || after };
   }
 
   Crack::Projection Crack :: Nearest (Point p) const
   {
-    Projection best { 0, 0, std::numeric_limits<double>::infinity(), false };
-    for (size_t i = 0; i < NumSegments(); i++)
-      {
-        if (!IsStraight(i) && DistanceFromBoxes(i, p) > best.distance) continue;
-        auto here = NearestOn(i, p);
-        if (here.distance < best.distance) best = here;
-      }
+    Projection best { NumSegments(), 0, std::numeric_limits<double>::infinity(), false };
+    double least = best.distance, round_off = 1e-12*Length();
+    boxes.VisitNear(p, least, [&] (size_t box)
+    {
+      size_t i = piece_of[box];
+      if (i != best.segment)
+        if (auto here = NearestOn(i, p); here.distance < best.distance || (here.distance == best.distance && i < best.segment)) best = here;
+      return best.distance + round_off;
+    });
     return best;
   }
 
   Side Crack :: SideOf (Point p) const
   {
-    auto [i, s, distance, beyond] = Nearest(p);
-    double d = IsStraight(i) ? LineDistance(i, p) : Dot(Point(p-PointAt(i, s)), Normal(i, s));
+    auto at = Nearest(p);
+    size_t i = at.segment;
+    double d = IsStraight(i) ? LineDistance(i, p) : Cross(Tangent(at), Point(p-pieces[i]->Value(at.t)));
     // nearest to a kink: the sum of the two normals decides, whichever segment was found first
-    bool at_start = s == arclength[i] && i > 0, at_end = s == arclength[i+1] && i+1 < NumSegments();
-    if (!beyond && (at_start || at_end))
+    bool at_start = at.t <= 0 && i > 0, at_end = at.t >= pieces[i]->End() && i+1 < NumSegments();
+    if (!at.beyond_end && (at_start || at_end))
       {
         size_t joint = at_start ? i : i+1;
         d = Dot(Point(p-points[joint]), Point(Normal(joint-1, arclength[joint]) + Normal(joint, arclength[joint])));
@@ -243,9 +237,15 @@ namespace ngsxfem_contact
   {
     std::pair<double, Point> best { std::numeric_limits<double>::infinity(), Point(0,0) };
     auto p = a.Outline(), q = b.Outline();
+    std::vector<Box> boxes;
+    for (size_t j = 0; j+1 < q.size(); j++) boxes.push_back(BoxOf(std::array { q[j], q[j+1] }));
+    BoxTree tree(boxes);
     for (size_t i = 0; i+1 < p.size(); i++)
-      for (size_t j = 0; j+1 < q.size(); j++)
+      tree.VisitNear(BoxOf(std::array { p[i], p[i+1] }), best.first, [&] (size_t j)
+      {
         if (auto here = Approach(p[i], p[i+1], q[j], q[j+1]); here.first < best.first) best = here;
+        return best.first;
+      });
     return best;
   }
 }

@@ -1,7 +1,7 @@
 #pragma once
 // Γ_C: an oriented curve of smooth pieces, its arc length, its normal and the side of a point (method.md, section 1).
 
-#include "curve_piece.hpp"
+#include "box_tree.hpp"
 
 namespace ngsxfem_contact
 {
@@ -13,8 +13,8 @@ namespace ngsxfem_contact
     std::vector<Point> points;       // the ends of the pieces
     std::vector<double> arclength;   // at the points
     std::vector<bool> kink;          // at the points
-    struct Box { Point lo, hi; };
-    std::vector<std::vector<Box>> boxes;      // of each piece, of parts that are nearly straight
+    BoxTree boxes;                   // of parts of the pieces that are nearly straight
+    std::vector<size_t> piece_of;    // by box
 
   public:
     /// A polyline. Throws for fewer than two points, a non-finite coordinate, a segment of zero length, a curve that
@@ -45,12 +45,15 @@ namespace ngsxfem_contact
     /// Signed distance of p from the infinite line of a straight piece, positive on the plus side.
     double LineDistance (size_t segment, Point p) const;
     bool IsStraight (size_t segment) const { return pieces[segment]->IsStraight(); }
-    /// Whether a piece may meet a box.
-    bool MayMeet (size_t segment, Point lo, Point hi) const;
+    /// The pieces that may meet a box, ascending.
+    std::vector<size_t> PiecesNear (const Box & box) const;
 
-    struct Projection { size_t segment; double s, distance; bool beyond_end; };
+    /// t: the parameter of the piece.
+    struct Projection { size_t segment; double t, distance; bool beyond_end; };
     /// The nearest point of Γ_C.
     Projection Nearest (Point p) const;
+    double ArcLength (const Projection & at) const { return arclength[at.segment] + pieces[at.segment]->ArcLength(at.t); }
+    Point Tangent (const Projection & at) const;
     /// Side of p with respect to Γ_C and, beyond its ends, to their straight extensions. Plus on Γ_C itself.
     Side SideOf (Point p) const;
 
@@ -62,7 +65,8 @@ namespace ngsxfem_contact
     void CheckContinuous() const;
     void CheckSelfContact() const;
     void Measure();
-    double DistanceFromBoxes (size_t segment, Point p) const;
+    void MakeBoxes();
+    std::vector<double> Samples (size_t piece, double turn) const;
     Projection NearestOn (size_t segment, Point p) const;
   };
 

@@ -21,6 +21,24 @@ namespace ngsxfem_contact
     double Value (int h) const { return 0.5*(h-shift); }
   };
 
+  /// A point and its sides, each found when it is first asked for and kept for the other functions there.
+  class SidedPoint
+  {
+    const std::vector<Crack> * cracks = nullptr;
+    Point x;
+    size_t crack = size_t(-1);
+    int side = 0;
+  public:
+    SidedPoint () = default;
+    SidedPoint (const std::vector<Crack> & acracks, Point ax) : cracks(&acracks), x(ax) { }
+    Point Place () const { return x; }
+    int SideOf (size_t of)
+    {
+      if (of != crack) { crack = of; side = int((*cracks)[of].SideOf(x)); }
+      return side;
+    }
+  };
+
   /// Where a function that jumps is evaluated. On Γ_C a point has no side of its own.
   enum class Trace { Position, Plus, Minus, Jump, Larger };
 
@@ -69,14 +87,16 @@ namespace ngsxfem_contact
       return true;
     }
 
+    SidedPoint At (Point x) const { return { body.Cracks(), x }; }
+
     /// The factor of φ_i at x; needs no x if IsPolynomial. On one crack the functions of another have no limits of their own.
-    double HeavisideFactor (const HeavisideFunction & function, Trace trace, Point x) const
+    double HeavisideFactor (const HeavisideFunction & function, Trace trace, SidedPoint & x) const
     {
       if (function.side) return trace == Trace::Jump ? 0 : function.Value(function.side);
-      bool elsewhere = IsShared() && cut->CrackAt(body.Cracks(), x).crack != function.crack;
+      bool elsewhere = IsShared() && cut->CrackAt(body.Cracks(), x.Place()).crack != function.crack;
       if (trace == Trace::Jump) return elsewhere ? 0 : function.Value(1) - function.Value(-1);
       bool by_position = trace == Trace::Position || elsewhere;
-      return function.Value(by_position ? int(body.Cracks()[function.crack].SideOf(x)) : ForcedSide(trace, function.crack));
+      return function.Value(by_position ? x.SideOf(function.crack) : ForcedSide(trace, function.crack));
     }
 
     int ForcedSide (Trace trace, size_t crack) const

@@ -44,7 +44,7 @@ namespace ngsxfem_contact
     if (std::min(plus, minus) < smallest_part*(plus+minus)) return;
     for (auto dof : dofs)
       enrichment.push_back({ dof, supports.size() });
-    supports.push_back({ crack, plus >= minus ? 1 : -1, std::move(sides) });
+    supports.push_back({ crack, int(LargerSide(plus, minus)), std::move(sides) });
     if (int side = SideOfFixedBoundary(node, supports.back())) supports.back().shift = side;
   }
 
@@ -86,7 +86,7 @@ namespace ngsxfem_contact
                       + ", where u_x is held on one side of it only and u_y on the other side only; end it beside the vertex, or hold both components on one side");
     if (x+y) return sign(x+y);
     double plus = lengths[0].plus + lengths[1].plus, minus = lengths[0].minus + lengths[1].minus;
-    return plus+minus == 0 ? 0 : plus >= minus ? 1 : -1;
+    return plus+minus == 0 ? 0 : int(LargerSide(plus, minus));
   }
 
   Array<int> CrackFESpace :: ElementsOf (NodeId node) const

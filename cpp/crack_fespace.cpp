@@ -45,9 +45,11 @@ namespace ngsxfem_contact
   {
     auto & places = body->Tips();
     tips.resize(places.size());
+    rules = body->Rules({});
     if (specs.empty()) return;
     if (specs.size() != places.size())
       throw Exception("CrackFESpace: " + ngcore::ToString(specs.size()) + " tip enrichments for " + ngcore::ToString(places.size()) + " tips; give one for each (body.tips)");
+    TipDisks disks;
     for (size_t i = 0; i < places.size(); i++)
       if (auto & spec = specs[i])
         {
@@ -58,8 +60,9 @@ namespace ngsxfem_contact
             throw Exception("CrackFESpace: the disk r1 = " + ngcore::ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
                             + tip.limit + ", at " + ngcore::ToString(tip.clearance) + "; choose r1 below that");
           tips[i].emplace(tip.crack, tip.curve, tip.plus_sign, *spec);
-          body->RequireTipQuadrature(i, { spec->r0, spec->r1 }, spec->cutoff == CutOff::Cubic ? 1 : 2, tolerance);
+          disks[i] = { { spec->r0, spec->r1 }, tolerance, spec->cutoff == CutOff::Cubic ? 1 : 2 };
         }
+    rules = body->Rules(disks);
   }
 
   void CrackFESpace :: SetTipMaterial (size_t tip, double kappa, double mu)
@@ -278,6 +281,7 @@ namespace ngsxfem_contact
 
   FiniteElement & CrackFESpace :: GetFE (ElementId ei, Allocator & alloc) const
   {
+    body->CheckMesh();
     auto & fe = scalar->GetFE(ei, alloc);
     if (ei.VB() > BND) return fe;
     auto & jumps = HeavisideOf(ei).functions;
@@ -289,6 +293,7 @@ namespace ngsxfem_contact
 
   void CrackFESpace :: GetComponent (ElementId ei, Array<DofId> & functions) const
   {
+    body->CheckMesh();
     scalar->GetDofNrs(ei, functions);
     if (ei.VB() <= BND)
       for (auto j : HeavisideOf(ei).global) functions.Append(NumScalar()+j);

@@ -14,6 +14,7 @@ namespace ngsxfem_contact
     std::array<ngcore::BitArray,2> held;              // by component: the boundary regions on which it is fixed
     shared_ptr<ngcomp::FESpace> scalar;               // P_k
     std::vector<std::optional<TipFunctions>> tips;    // by tip of the body
+    shared_ptr<const BodyRules> rules;                // for these functions
     std::vector<size_t> first_tip_dof;
 
     struct Support
@@ -55,6 +56,7 @@ namespace ngsxfem_contact
     double Tolerance() const { return tolerance; }
     /// The boundary regions of dirichlet, and of dirichletx (component 0) or dirichlety (1).
     const ngcore::BitArray & HeldRegions (int component) const;
+    const TipDisks & Disks() const { return rules->Disks(); }
 
     void Update () override;
     void FinalizeUpdate () override;

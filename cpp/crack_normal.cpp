@@ -14,8 +14,8 @@ namespace ngsxfem_contact
     auto distance = [&] (auto & crack) { return crack.Nearest(x).distance; };
     auto cut = body->Find(element);
     auto & curve = cut ? cracks[cut->CrackAt(cracks, x).crack] : *std::ranges::min_element(cracks, {}, distance);
-    auto nearest = curve.Nearest(x);
-    return tangent ? curve.Tangent(nearest.segment, nearest.s) : curve.Normal(nearest.segment, nearest.s);
+    Point t = curve.Tangent(curve.Nearest(x));
+    return tangent ? t : Left(t);
   }
 
   double CrackFrame :: Evaluate (const BaseMappedIntegrationPoint &) const

@@ -3,7 +3,6 @@
 
 #include "curved_rule.hpp"
 #include "cut_element.hpp"
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -63,26 +62,67 @@ namespace ngsxfem_contact
     { return index[element] < 0 ? nullptr : rules[index[element]].get(); }
   };
 
+  /// What the functions of a space at one tip ask of the rules around it: see TipQuadrature.
+  struct TipDisk
+  {
+    std::set<double> breaks;
+    double tolerance;
+    int smoothness;
+    auto operator<=> (const TipDisk &) const = default;
+  };
+
+  /// By the number of the tip. Where several spaces meet in one integral, rules serve all of them.
+  using TipDisks = std::map<size_t, TipDisk>;
+  TipDisks Merged (TipDisks a, const TipDisks & b);
+
+  class CrackedMesh;
+
+  /// The rules of a body for functions that are singular in some disks: made when they are first asked for, and kept.
+  class BodyRules
+  {
+    const CrackedMesh & body;
+    TipDisks disks;
+    std::vector<TipQuadrature> tips;
+    mutable std::map<std::tuple<RuleKind, VorB, int>, shared_ptr<const RuleTable>> tables;
+    mutable std::mutex mutex;
+
+  public:
+    BodyRules (const CrackedMesh & abody, TipDisks adisks);
+    const TipDisks & Disks() const { return disks; }
+    /// The table for rules of the given order.
+    shared_ptr<const RuleTable> Table (const RuleKind & kind, VorB vb, int order) const;
+  };
+
+  /// What a mesh was when cracks were located in it.
+  struct MeshState
+  {
+    size_t num_elements, num_vertices;
+    int curve_order;
+    bool deformed;
+    explicit MeshState (MeshAccess & mesh);
+    auto operator<=> (const MeshState &) const = default;
+  };
+
+  /// Nothing that is built on a body changes it.
   class CrackedMesh
   {
     shared_ptr<MeshAccess> mesh;
-    size_t num_elements;         // when the cracks were located
+    MeshState located_in;
     std::vector<Crack> cracks;
     std::vector<CrackLocation> locations;
     std::vector<Tip> tips;
-    std::vector<std::optional<TipQuadrature>> tip_quadrature;    // set by the spaces that have functions there
     std::map<size_t, CutElement> cut_elements;
 
-    mutable std::map<std::tuple<RuleKind, VorB, int>, shared_ptr<const RuleTable>> rule_tables;
-    mutable std::mutex rule_mutex;
-    std::atomic<size_t> rule_version = 0;
+    shared_ptr<const BodyRules> standard_rules;                            // without disks
+    mutable std::map<TipDisks, std::weak_ptr<const BodyRules>> rules;      // kept by the spaces and forms that use them
+    mutable std::mutex rules_mutex;
 
   public:
-    /// Throws for what Crack, CrackLocation and CutElement refuse, and for cracks that meet.
+    /// Throws for what Crack, CrackLocation and CutElement refuse, for cracks that meet, and for a mesh with a deformation.
     CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
 
     shared_ptr<MeshAccess> GetMesh() const { return mesh; }
-    /// Throws if the mesh was refined after the cracks were located in it.
+    /// Throws if the mesh was refined, curved or deformed after the cracks were located in it.
     void CheckMesh () const;
     size_t NumCracks() const { return cracks.size(); }
     /// These throw for a number that is not below NumCracks().
@@ -96,13 +136,11 @@ namespace ngsxfem_contact
     /// Elements that carry a part of Γ_C (of one crack, or of all of them).
     shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const;
 
-    /// Asks for rules that integrate singular functions at a tip; rules that were made before are made again.
-    void RequireTipQuadrature (size_t tip, std::set<double> breaks, int smoothness, double tolerance);
+    /// For each element that cracks meet: them and its parts.
+    const std::map<size_t, CutElement> & CutElements() const { return cut_elements; }
 
-    /// The table for rules of the given order.
-    shared_ptr<const RuleTable> Rules (const RuleKind & kind, VorB vb, int order) const;
-    /// Changes when rules that were made before are no longer right.
-    size_t RuleVersion () const { return rule_version; }
+    /// The rules for functions with these disks; equal disks share theirs.
+    shared_ptr<const BodyRules> Rules (const TipDisks & disks) const;
 
   private:
     size_t Checked (size_t crack) const;
@@ -111,16 +149,5 @@ namespace ngsxfem_contact
     void FindTips ();
     void SetClearance (Tip & tip) const;
     void LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
-    std::vector<const TipQuadrature*> TipsNear (const Triangle & t) const;
-    void AppendPart (const Triangle & part, int order, PointRule & rule) const;
-    void AppendCurvedPart (const Piece & piece, const Crack & crack, int order, PointRule & rule, int depth = 3) const;
-    void AppendPiece (const ElementPart & part, int order, PointRule & rule) const;
-    std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const Triangle & t) const;
-    std::unique_ptr<ElementRule> MakeVolumeRule (const RuleKind & kind, size_t element, int order) const;
-    void AppendCrack (const ElementLocation & location, const Crack & crack, int order, const std::vector<double> & nodes, PointRule & rule) const;
-    std::unique_ptr<ElementRule> MakeBoundaryRule (const std::vector<CutBoundaryEdge> & crossings, int order) const;
-    shared_ptr<RuleTable> MakeVolumeTable (const RuleKind & kind, int order) const;
-    shared_ptr<RuleTable> MakeCrackTable (const RuleKind & kind, int order) const;
-    shared_ptr<RuleTable> MakeBoundaryTable (int order) const;
   };
 }

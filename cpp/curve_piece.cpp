@@ -171,7 +171,10 @@ namespace ngsxfem_contact
       {
         double sum = 0;
         for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, 31))
-          sum += ip.Weight() * Norm(Derivative(a + ip(0)*(b-a)));
+          {
+            Point d = Derivative(a + ip(0)*(b-a));
+            sum += ip.Weight() * sqrt(Dot(d, d));
+          }
         return sum*(b-a);
       }
       double Parameter (double s) const override
@@ -189,10 +192,11 @@ namespace ngsxfem_contact
       double Nearest (Point p) const override
       {
         constexpr int n = 8;
-        auto distance = [&] (double t) { return Norm(Point(Value(t)-p)); };
+        auto distance2 = [&] (double t) { Point d = Value(t)-p; return Dot(d, d); };
         int best = 0;
+        double least = distance2(0);
         for (int i = 1; i <= n; i++)
-          if (distance(double(i)/n) < distance(double(best)/n)) best = i;
+          if (double d2 = distance2(double(i)/n); d2 < least) { best = i; least = d2; }
         auto slope = [&] (double t) { return Dot(Point(Value(t)-p), Derivative(t)); };
         double lo = std::max(0, best-1)/double(n), hi = std::min(n, best+1)/double(n);
         if (slope(lo) >= 0) return lo;

@@ -24,7 +24,24 @@ namespace ngsxfem_contact
       return length2 > 0 ? Lerp(a, b, std::clamp(Dot(Point(p-a), ab)/length2, 0.0, 1.0)) : a;
     }
 
-    /// Points whose hull is that of the parts of a crack in an element, but for less than the margin.
+    /// The corners of the convex hull of points, around it.
+    std::vector<Point> HullOf (std::vector<Point> points)
+    {
+      std::ranges::sort(points, {}, [] (Point p) { return std::pair(p(0), p(1)); });
+      std::vector<Point> hull;
+      auto append = [&] (Point p, size_t least)
+      {
+        while (hull.size() > least && Cross(Point(hull.back()-hull[hull.size()-2]), Point(p-hull.back())) <= 0) hull.pop_back();
+        hull.push_back(p);
+      };
+      for (auto & p : points) append(p, 1);
+      size_t lower = hull.size();
+      for (size_t i = points.size()-1; i-- > 0; ) append(points[i], lower);
+      hull.pop_back();
+      return hull;
+    }
+
+    /// The hull of the parts of a crack in an element, but for less than the margin.
     struct Hull
     {
       std::vector<Point> points;
@@ -40,6 +57,7 @@ namespace ngsxfem_contact
             for (size_t i = first+1; i+1 < points.size(); i++)            // an eighth of it is the sagitta
               margin = std::max(margin, 0.25*Norm(Point(points[i-1]-2*points[i]+points[i+1])));
           }
+        points = HullOf(std::move(points));
       }
 
       /// +1, -1, or 0 if the line meets the hull.
@@ -58,10 +76,9 @@ namespace ngsxfem_contact
       auto compare = [&] (const Hull & corners, const Hull & sides, bool swapped)
       {
         for (auto & p : corners.points)
-          for (auto & q0 : sides.points)
-            for (auto & q1 : sides.points)
-              if (Point q = NearestOnSegment(p, q0, q1); Norm(Point(q-p)) < Norm(Point(to-from)))
-                { from = swapped ? q : p; to = swapped ? p : q; }
+          for (size_t i = 0; i < sides.points.size(); i++)
+            if (Point q = NearestOnSegment(p, sides.points[i], sides.points[(i+1) % sides.points.size()]); Norm(Point(q-p)) < Norm(Point(to-from)))
+              { from = swapped ? q : p; to = swapped ? p : q; }
       };
       compare(a, b, false);
       compare(b, a, true);
@@ -156,7 +173,7 @@ namespace ngsxfem_contact
       double plus = 0, minus = 0;
       for (auto & part : element.parts)
         if (IsBeside(part, element, all, k)) (part.sides[k] == Side::Plus ? plus : minus) += Area(part.piece, all[part.crack]);
-      element.cracks[k].larger = plus >= minus ? Side::Plus : Side::Minus;
+      element.cracks[k].larger = LargerSide(plus, minus);
       for (auto & part : element.parts)
         part.larger.push_back(part.sides[k] == element.cracks[k].larger && IsBeside(part, element, all, k));
     }

@@ -1,4 +1,5 @@
 #include "cut_integral.hpp"
+#include "crack_fespace.hpp"
 
 namespace ngsxfem_contact
 {
@@ -22,13 +23,12 @@ namespace ngsxfem_contact
     /// The rules of a measure for one integrator: looked up once for each order, then without a lock.
     class CachedRules
     {
-      struct Entry { size_t version; shared_ptr<const RuleTable> table; };
       static constexpr int max_order = 40;
 
       Measure measure;
       VorB vb;
-      mutable std::array<std::atomic<const Entry*>, max_order> current {};
-      mutable std::vector<std::unique_ptr<const Entry>> entries;     // earlier ones may still be in use
+      mutable std::array<std::atomic<const RuleTable*>, max_order> tables {};
+      mutable std::vector<shared_ptr<const RuleTable>> used;
       mutable std::mutex mutex;
 
     public:
@@ -38,20 +38,18 @@ namespace ngsxfem_contact
       {
         order = std::max(0, order);
         if (order >= max_order) return measure.Rules(vb, order)->Find(element);
-        auto entry = current[order].load(std::memory_order_acquire);
-        if (!entry || entry->version != measure.body->RuleVersion()) entry = Renew(order);
-        return entry->table->Find(element);
+        auto table = tables[order].load(std::memory_order_acquire);
+        if (!table) table = LookUp(order);
+        return table->Find(element);
       }
 
     private:
-      const Entry * Renew (int order) const
+      const RuleTable * LookUp (int order) const
       {
         std::lock_guard guard(mutex);
-        auto version = measure.body->RuleVersion();
-        if (auto entry = current[order].load(); entry && entry->version == version) return entry;
-        entries.push_back(std::make_unique<Entry>(version, measure.Rules(vb, order)));
-        current[order].store(entries.back().get(), std::memory_order_release);
-        return entries.back().get();
+        used.push_back(measure.Rules(vb, order));
+        tables[order].store(used.back().get(), std::memory_order_release);
+        return used.back().get();
       }
     };
 
@@ -209,6 +207,30 @@ namespace ngsxfem_contact
       if (dx.definedonelements) integrator->SetDefinedOnElements(dx.definedonelements);
       return integrator;
     }
+  }
+
+  Measure Measure :: With (const ngcomp::FESpace & space) const
+  {
+    Measure with(*this);
+    space.TraverseTree([&] (const ngcomp::FESpace & part)
+    {
+      auto cracked = dynamic_cast<const CrackFESpace*>(&part);
+      if (cracked && cracked->GetBody() == body) with.rules = body->Rules(Merged(with.rules->Disks(), cracked->Disks()));
+    });
+    return with;
+  }
+
+  Measure Measure :: With (CoefficientFunction & integrand) const
+  {
+    Measure with(*this);
+    integrand.TraverseDAG([&] (CoefficientFunction & node)
+    {
+      if (auto proxy = dynamic_cast<ProxyFunction*>(&node))
+        with = with.With(*proxy->GetFESpace());
+      else if (auto function = dynamic_cast<ngcomp::GridFunctionCoefficientFunction*>(&node))
+        with = with.With(*function->GetGridFunction().GetFESpace());
+    });
+    return with;
   }
 
   /// Bytes for the evaluation of a function in all points of the largest rule: a tip close to a vertex takes 1e5 points.

@@ -13,8 +13,15 @@ namespace ngsxfem_contact
   {
     shared_ptr<CrackedMesh> body;
     RuleKind kind;
+    shared_ptr<const BodyRules> rules;
 
-    shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return body->Rules(kind, vb, order); }
+    Measure (shared_ptr<CrackedMesh> abody, RuleKind akind) : body(abody), kind(std::move(akind)), rules(body->Rules({})) { }
+
+    shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return rules->Table(kind, vb, order); }
+    /// With rules for the functions of a space, too, if it is one on this body.
+    Measure With (const ngcomp::FESpace & space) const;
+    /// With rules for the functions of all spaces whose functions or test functions are part of an integrand.
+    Measure With (CoefficientFunction & integrand) const;
   };
 
   class CutDifferentialSymbol : public ngfem::DifferentialSymbol
@@ -35,7 +42,7 @@ namespace ngsxfem_contact
     Measure measure;
   public:
     CutIntegral (shared_ptr<CoefficientFunction> acf, const ngfem::DifferentialSymbol & adx, Measure ameasure)
-      : Integral(acf, adx), measure(std::move(ameasure)) { }
+      : Integral(acf, adx), measure(ameasure.With(*acf)) { }
 
     const Measure & GetMeasure () const { return measure; }
     double Integrate (const ngcomp::MeshAccess & ma, ngbla::FlatVector<double> element_wise) override;

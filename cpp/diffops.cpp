@@ -38,11 +38,14 @@ namespace ngsxfem_contact
     Vec<2,SIMD<double>> PointOf (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
     { auto p = mir.GetPoints(); return { p(i,0), p(i,1) }; }
 
-    SIMD<double> Factor (const CrackFiniteElement & fel, const HeavisideFunction & function, Trace trace, Vec<2,SIMD<double>> x)
+    /// visit(j, factor) for every Heaviside function.
+    template <typename F>
+    void VisitFactors (const CrackFiniteElement & fel, Trace trace, Vec<2,SIMD<double>> x, F && visit)
     {
-      if (function.side || (trace != Trace::Position && !fel.IsShared()))
-        return fel.HeavisideFactor(function, trace, Point(0,0));
-      return SIMD<double>([&] (int lane) { return fel.HeavisideFactor(function, trace, Point(x(0)[lane], x(1)[lane])); });
+      SidedPoint at[SIMD<double>::Size()];
+      for (size_t lane = 0; lane < SIMD<double>::Size(); lane++) at[lane] = fel.At(Point(x(0)[lane], x(1)[lane]));
+      for (size_t j = 0; j < fel.Heaviside().Size(); j++)
+        visit(j, SIMD<double>([&] (int lane) { return fel.HeavisideFactor(fel.Heaviside()[j], trace, at[lane]); }));
     }
   }
 
@@ -58,10 +61,11 @@ namespace ngsxfem_contact
       fel.Scalar().CalcMappedDShape(mip, shape);
     else
       fel.Scalar().CalcShape(mip.IP(), shape.Col(0));
+    auto at = fel.At(x);
     for (size_t j = 0; j < fel.Heaviside().Size(); j++)
       {
         auto & function = fel.Heaviside()[j];
-        shape.Row(nd+j) = fel.HeavisideFactor(function, trace, x) * shape.Row(function.local);
+        shape.Row(nd+j) = fel.HeavisideFactor(function, trace, at) * shape.Row(function.local);
       }
     if (trace == Trace::Jump) shape.Rows(0, nd) = 0;
 
@@ -102,16 +106,12 @@ namespace ngsxfem_contact
   void CrackDiffOp :: CalcHeaviside (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
   {
     size_t nd = fel.Scalar().GetNDof();
-    for (size_t j = 0; j < fel.Heaviside().Size(); j++)
+    for (size_t i = 0; i < mir.Size(); i++)
+      VisitFactors(fel, trace, PointOf(mir, i), [&] (size_t j, SIMD<double> factor)
       {
-        auto & function = fel.Heaviside()[j];
-        for (size_t i = 0; i < mir.Size(); i++)
-          {
-            SIMD<double> factor = Factor(fel, function, trace, PointOf(mir, i));
-            for (size_t l = 0; l < d; l++)
-              mat((nd+j)*d+l, i) = factor * mat(function.local*d+l, i);
-          }
-      }
+        for (size_t l = 0; l < d; l++)
+          mat((nd+j)*d+l, i) = factor * mat(fel.Heaviside()[j].local*d+l, i);
+      });
   }
 
   void CrackDiffOp :: CalcTips (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
@@ -154,10 +154,11 @@ namespace ngsxfem_contact
     void VisitPolynomial (const CrackFiniteElement & fel, Trace trace, F && visit)
     {
       size_t nd = fel.Scalar().GetNDof();
+      SidedPoint anywhere = fel.At(Point(0., 0.));
       for (size_t j = 0; j < fel.Heaviside().Size(); j++)
         {
           auto & function = fel.Heaviside()[j];
-          visit(function.local, nd+j, fel.HeavisideFactor(function, trace, Point(0,0)));
+          visit(function.local, nd+j, fel.HeavisideFactor(function, trace, anywhere));
         }
     }
   }

@@ -62,34 +62,94 @@ namespace ngsxfem_contact
 
   namespace
   {
-    /// T divided along the lines of its chords (at a kink or a tip beyond them, too): convex parts, each on one side.
-    std::vector<Piece> DivideByLines (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & crack, double tolerance)
+    /// A convex polygon divided along the straight parts of a crack in it, and beyond its ends along their lines.
+    class StraightDivision
     {
-      std::vector<Polygon> parts { polygon };
-      for (auto & chord : chords)
-        {
-          std::vector<Polygon> divided;
-          for (auto & part : parts)
-            {
-              std::vector<double> d;
-              for (auto & p : part)
-                {
-                  double di = crack.LineDistance(chord.segment, p);
-                  d.push_back(std::abs(di) <= tolerance ? 0 : di);
-                }
-              for (auto & half : Split(part, d))
-                if (half.size() > 2) divided.push_back(half);
-            }
-          parts = std::move(divided);
-        }
-      std::vector<Piece> pieces;
-      for (auto & part : parts)
-        {
-          Side side = crack.SideOf(Centre(part));
-          for (auto & t : Fan(part)) pieces.push_back({ t, side, std::nullopt });
-        }
-      return pieces;
-    }
+      const Crack & crack;
+      double tolerance;
+      struct Line { Point origin, normal; };
+      struct Segment { Line line; Point a, b; };
+      struct Part { Polygon polygon; std::vector<Segment> segments; };
+      std::vector<Part> left;
+
+    public:
+      StraightDivision (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & acrack, double atolerance)
+        : crack(acrack), tolerance(atolerance), left { { polygon, {} } }
+      {
+        double size = 0;
+        for (auto & p : polygon) size = std::max(size, 2*Norm(Point(p-polygon[0])));
+        for (auto & [segment, s0, s1] : chords)
+          {
+            // a tip: on to the other side of the polygon
+            double before = s0 <= tolerance ? size : 0, after = s1 >= crack.Length()-tolerance ? size : 0;
+            Line line { crack.Points()[segment], crack.Normal(segment, s0) };
+            left[0].segments.push_back({ line, crack.PointAt(segment, s0-before), crack.PointAt(segment, s1+after) });
+          }
+      }
+
+      std::vector<Piece> Pieces ()
+      {
+        std::vector<Piece> pieces;
+        while (!left.empty())
+          {
+            Part part = std::move(left.back());
+            left.pop_back();
+            if (!part.segments.empty()) { Divide(part); continue; }
+            Side side = crack.SideOf(Centre(part.polygon));
+            for (auto & t : Fan(part.polygon)) pieces.push_back({ t, side, std::nullopt });
+          }
+        return pieces;
+      }
+
+    private:
+      double Snapped (const Line & line, Point p) const
+      {
+        double d = Dot(Point(p-line.origin), line.normal);
+        return std::abs(d) <= tolerance ? 0 : d;
+      }
+
+      /// Many segments first across their middle, so that work and parts are in proportion to their number; few along their lines.
+      void Divide (const Part & part)
+      {
+        constexpr size_t few = 8;
+        auto & segments = part.segments;
+        auto & middle = segments[segments.size()/2];
+        std::array<Part,2> halves;
+        bool balanced = false;
+        if (segments.size() > few)
+          {
+            Point onward = segments.back().b-segments.front().a;
+            halves = Halves(part, { middle.a, Point(1/Norm(onward) * onward) });
+            balanced = std::max(halves[0].segments.size(), halves[1].segments.size()) <= 3*segments.size()/4;
+          }
+        if (!balanced) halves = Halves(part, middle.line);
+        for (auto & half : halves)
+          if (half.polygon.size() > 2) left.push_back(std::move(half));
+      }
+
+      /// Without the segments that lie on the line.
+      std::array<Part,2> Halves (const Part & part, const Line & line) const
+      {
+        std::array<Part,2> halves;                // on the positive and the negative side
+        std::vector<double> d;
+        for (auto & p : part.polygon) d.push_back(Snapped(line, p));
+        auto polygons = Split(part.polygon, d);
+        for (int k : { 0, 1 }) halves[k].polygon = std::move(polygons[k]);
+        for (auto & segment : part.segments)
+          {
+            double da = Snapped(line, segment.a), db = Snapped(line, segment.b);
+            if (da*db < 0)
+              {
+                Point on = Lerp(segment.a, segment.b, da/(da-db));
+                halves[da > 0 ? 0 : 1].segments.push_back({ segment.line, segment.a, on });
+                halves[da > 0 ? 1 : 0].segments.push_back({ segment.line, on, segment.b });
+              }
+            else if (da != 0 || db != 0)
+              halves[da+db > 0 ? 0 : 1].segments.push_back(segment);
+          }
+        return halves;
+      }
+    };
 
     /// A crack that crosses a convex polygon once, from boundary to boundary, beyond a tip along its straight extension.
     class Pass
@@ -256,7 +316,7 @@ namespace ngsxfem_contact
             return Cut(polygon, chords, 0.5*(chords[i].s1+chords[i+1].s0), depth);
         if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.segment); }))
           {
-            auto divided = DivideByLines(polygon, chords, crack, tolerance);
+            auto divided = StraightDivision(polygon, chords, crack, tolerance).Pieces();
             pieces.insert(pieces.end(), divided.begin(), divided.end());
             return;
           }
@@ -305,7 +365,7 @@ namespace ngsxfem_contact
   std::vector<Piece> Divide (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & crack, double tolerance)
   {
     if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.segment); }))
-      return DivideByLines(polygon, chords, crack, tolerance);
+      return StraightDivision(polygon, chords, crack, tolerance).Pieces();
     Polygon oriented = polygon;
     if (Cross(Point(oriented[1]-oriented[0]), Point(oriented[2]-oriented[0])) < 0) std::reverse(oriented.begin(), oriented.end());
     std::vector<Piece> pieces;

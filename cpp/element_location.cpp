@@ -17,6 +17,9 @@ namespace ngsxfem_contact
   {
     std::string Place (const Triangle & t) { return "near " + ToString(Point(1./3*(t[0]+t[1]+t[2]))); }
 
+    /// Somewhat larger than the triangle.
+    Box BoxAround (const Triangle & t) { return BoxOf(t).Grown(1e-3*LongestEdge(t)); }
+
     void CheckTriangles (const MeshAccess & mesh)
     {
       if (mesh.GetDimension() != 2)
@@ -46,6 +49,7 @@ namespace ngsxfem_contact
     for (auto & location : elements)
       MarkDegenerate(location);
     CheckCovered();
+    MakeIntervals();
     LocateBoundary();
   }
 
@@ -55,17 +59,7 @@ namespace ngsxfem_contact
     for (size_t element = 0; element < mesh.GetNE(VOL); element++)
       {
         auto t = VerticesOf(mesh, element);
-        Point lo, hi;
-        for (int k : { 0, 1 })
-          {
-            std::tie(lo(k), hi(k)) = std::minmax({ t[0](k), t[1](k), t[2](k) });
-            double margin = 1e-3*(hi(k)-lo(k));
-            lo(k) -= margin;
-            hi(k) += margin;
-          }
-        for (size_t i = 0; i < crack.NumSegments(); i++)
-          if (crack.MayMeet(i, lo, hi))
-            { beside.push_back(element); break; }
+        if (!crack.PiecesNear(BoxAround(t)).empty()) beside.push_back(element);
       }
     if (beside.empty())
       throw Exception("CrackedMesh: the crack from " + ToString(crack.Points().front()) + " to " + ToString(crack.Points().back())
@@ -152,7 +146,7 @@ namespace ngsxfem_contact
   {
     auto t = VerticesOf(mesh, element);
     ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t) };
-    for (size_t i = 0; i < crack.NumSegments(); i++)
+    for (size_t i : crack.PiecesNear(BoxAround(t)))
       for (auto & clip : ClipPiece(element, t, i))
         {
           if (clip.aligned)
@@ -212,17 +206,18 @@ namespace ngsxfem_contact
     throw Exception("CrackedMesh: the element " + Place(t) + " is degenerate, its corners lie on a line; mesh the body anew");
   }
 
-  /// Both neighbours of an aligned edge see the same part of Γ_C; the larger one carries it (the first of equals).
+  /// Both neighbours of an aligned edge see the same part of Γ_C; the larger one carries it, of equals that on the plus side.
   void CrackLocation :: LocateAligned (const std::map<size_t, std::vector<size_t>> & aligned)
   {
     for (auto & [edge, neighbours] : aligned)
       {
-        std::set<size_t> owners(neighbours.begin(), neighbours.end());
-        auto first = VerticesOf(mesh, *owners.begin());
-        if (owners.size() < 2)
+        std::set<size_t> both(neighbours.begin(), neighbours.end());
+        auto first = VerticesOf(mesh, *both.begin()), second = VerticesOf(mesh, *both.rbegin());
+        if (both.size() < 2)
           throw Exception("CrackedMesh: the crack runs along the boundary of the body " + Place(first) + "; move it inside");
-        size_t owner = *owners.begin(), other = *owners.rbegin();
-        if (Area(VerticesOf(mesh, other)) > (1+1e-8)*Area(first)) owner = other;
+        bool first_is_plus = crack.SideOf(Centre({ first.begin(), first.end() })) == Side::Plus;
+        Side larger = first_is_plus ? LargerSide(Area(first), Area(second)) : LargerSide(Area(second), Area(first));
+        size_t owner = (larger == Side::Plus) == first_is_plus ? *both.begin() : *both.rbegin();
         aligned_edges.insert(edge);
         if (!index.count(owner))
           {
@@ -234,7 +229,7 @@ namespace ngsxfem_contact
           }
         auto & location = elements[index[owner]];
         location.degeneracy.along_edge = true;
-        for (size_t i = 0; i < crack.NumSegments(); i++)
+        for (size_t i : crack.PiecesNear(BoxAround(location.triangle)))
           if (auto clip = ClipSegment(location.triangle, i); clip && clip->aligned && AlignedEdge(owner, location.triangle, clip->chord) == edge)
             location.chords.push_back(clip->chord);
         std::sort(location.chords.begin(), location.chords.end(), [] (auto & a, auto & b) { return a.s0 < b.s0; });
@@ -328,6 +323,25 @@ namespace ngsxfem_contact
                   && Norm(Point(p-a)) > 2*tolerance && Norm(Point(p-b)) > 2*tolerance)
                 boundary_edges[it->second] = { it->second, a, b, p };
           }
+  }
+
+  void CrackLocation :: MakeIntervals ()
+  {
+    for (size_t i = 0; i < elements.size(); i++)
+      for (auto & chord : elements[i].chords) intervals.push_back({ chord.s0, chord.s1, 0, i });
+    std::ranges::sort(intervals, {}, [] (auto & i) { return std::pair(i.s0, i.s1); });
+    double reach = 0;
+    for (auto & interval : intervals) interval.reach = reach = std::max(reach, interval.s1);
+  }
+
+  const ElementLocation & CrackLocation :: At (double s) const
+  {
+    s -= 2*tolerance;                  // so that round-off does not choose
+    auto ahead = std::ranges::upper_bound(intervals, s, {}, &Interval::s0), best = ahead;
+    double off = ahead == intervals.end() ? std::numeric_limits<double>::infinity() : ahead->s0-s;
+    while (ahead != intervals.begin() && std::max(0.0, s-(--ahead)->reach) <= off)
+      if (double d = std::max(0.0, s-ahead->s1); d <= off) { best = ahead; off = d; }
+    return elements[best->location];
   }
 
   const ElementLocation * CrackLocation :: Find (size_t element) const

@@ -33,14 +33,7 @@ namespace ngsxfem_contact
     std::vector<Chord> chords;      // in the order of arc length; the crack may leave T for a moment between two of them
     std::vector<Piece> pieces;
     double area_plus, area_minus;
-    Side Larger () const { return area_plus >= area_minus ? Side::Plus : Side::Minus; }
-    /// How far arc length s is from the part of Γ_C in T.
-    double Off (double s) const
-    {
-      double off = std::numeric_limits<double>::infinity();
-      for (auto & chord : chords) off = std::min(off, std::max({ chord.s0-s, s-chord.s1, 0.0 }));
-      return off;
-    }
+    Side Larger () const { return LargerSide(area_plus, area_minus); }
     double S0 () const { return chords.front().s0; }
     double S1 () const { return chords.back().s1; }
   };
@@ -64,6 +57,9 @@ namespace ngsxfem_contact
     std::map<size_t, CutBoundaryEdge> boundary_edges;
     std::set<size_t> aligned_edges;
     std::array<CrackEnd,2> ends;
+    /// A chord, and the largest s1 of those up to it, sorted by s0.
+    struct Interval { double s0, s1, reach; size_t location; };
+    std::vector<Interval> intervals;
 
   public:
     /// Throws for a mesh that is not plane and straight triangles beside the crack, a crack that leaves the body or
@@ -72,6 +68,8 @@ namespace ngsxfem_contact
 
     const std::vector<ElementLocation> & Elements() const { return elements; }
     const ElementLocation * Find (size_t element) const;
+    /// The element that carries arc length s, or is nearest to it; of two that meet there the one in which the crack ends.
+    const ElementLocation & At (double s) const;
     const CutBoundaryEdge * FindBoundaryEdge (size_t bnd_element) const;
     const std::map<size_t, CutBoundaryEdge> & BoundaryEdges() const { return boundary_edges; }
     const std::set<size_t> & AlignedEdges() const { return aligned_edges; }
@@ -92,6 +90,7 @@ namespace ngsxfem_contact
     CrackEnd LocateEnd (double s, const std::vector<size_t> & beside);
     void LocateBoundary ();
     void CheckCovered () const;
+    void MakeIntervals ();
     void CheckConnected (const ElementLocation & location) const;
     void MarkDegenerate (ElementLocation & location) const;
   };

@@ -59,9 +59,8 @@ namespace ngsxfem_contact
 
       void CalcShape (const IntegrationPoint &, Point x, BareSliceVector<> shape) const override
       {
-        double s = crack.Nearest(x).s;
-        size_t i = 0;
-        while (i+2 < nodes.Size() && s > nodes[i+1]) i++;
+        double s = crack.ArcLength(crack.Nearest(x));
+        size_t i = std::lower_bound(&nodes[1], &nodes[nodes.Size()-1], s) - &nodes[1];
         shape.Range(0, ndof) = 0;
         if (order == 0) { shape(i) = 1; return; }
         double t = (s-nodes[i])/(nodes[i+1]-nodes[i]);
@@ -313,6 +312,7 @@ namespace ngsxfem_contact
 
   void TraceSpace :: Update ()
   {
+    body->CheckMesh();
     FESpace::Update();
     SetNDof(basis->NDof());
     ctofdof.SetSize(ndof);
@@ -321,6 +321,7 @@ namespace ngsxfem_contact
 
   FiniteElement & TraceSpace :: GetFE (ElementId ei, Allocator & alloc) const
   {
+    body->CheckMesh();
     if (ei.VB() == VOL)
       {
         if (body->Find(ei.Nr())) return basis->GetFE(ei.Nr(), alloc);
@@ -332,6 +333,7 @@ namespace ngsxfem_contact
 
   void TraceSpace :: GetDofNrs (ElementId ei, Array<DofId> & dnums) const
   {
+    body->CheckMesh();
     dnums.SetSize0();
     if (ei.VB() == VOL && body->Find(ei.Nr())) basis->GetDofNrs(ei.Nr(), dnums);
   }

@@ -49,14 +49,14 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).
     """
 
-    def Points(self, order: int) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    def Points(self, order: int, space: ngsolve.comp.FESpace | None = None) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
-        Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order.
+        Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.
         """
 
-    def PrepareRules(self, order: int) -> None:
+    def PrepareRules(self, order: int, space: ngsolve.comp.FESpace | None = None) -> None:
         """
-        Makes the rules of this order now, which are otherwise made when they are first used, and kept.
+        Makes the rules of this order now, which are otherwise made when they are first used, and kept as long as the body, or the space if one is given.
         """
 
     def __call__(
@@ -66,13 +66,15 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         definedonelements: pyngcore.pyngcore.BitArray | None = None,
         crack: int | None = None,
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
+        space: ngsolve.comp.FESpace | None = None,
     ) -> CutDifferentialSymbol:
         """
         The same measure, restricted or refined.
 
         definedon: a Region, or the name (a regular expression) of materials for dx, of boundaries for ds.    bonus_intorder: added to the order of the rules.
         definedonelements: BitArray of elements.    crack: number of the only crack.    nodes: arc lengths at which rules on the cracks are divided, one
-        list for each crack.    Raises an Exception for a region that the mesh does not have.
+        list for each crack.    space: a CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules
+        always serve the spaces whose functions, trial or test functions are part of an integrand.    Raises an Exception for a region that the mesh does not have.
         """
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
@@ -123,11 +125,13 @@ class Crack:
         """
 
     @staticmethod
-    def Curve(function, t0, t1, tolerance=1e-12, max_pieces=4096):
+    def Curve(function, t0, t1, tolerance=1e-7, max_pieces=4096):
         """
         The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
             function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
+            tolerance: the energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a
+                smaller one costs pieces, tolerance^(-1/4).
             Raises ValueError if max_pieces pieces do not reach the tolerance.
 
         """
@@ -139,12 +143,13 @@ class Crack:
         """
 
     @staticmethod
-    def LevelSet(mesh, phi, psi=None, tolerance=1e-10, max_points=4096):
+    def LevelSet(mesh, phi, psi=None, tolerance=None, max_points=4096):
         """
         The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
             The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
-            through them deviates from φ = 0 by less than tolerance × its length. Straight ones become segments.
+            through some of them deviates from φ = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below
+            what they resolve. Straight ones become segments.
             The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
             Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
             zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
@@ -512,7 +517,8 @@ class CrackedMesh:
     """
     A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
 
-    mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined afterwards: build a new CrackedMesh then.
+    mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined, curved or moved (SetDeformation) afterwards:
+    all that is built on the body is refused then; build a new CrackedMesh. What is built on a body does not change it.
     Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the
     larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds("left|right").
     Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet
@@ -537,6 +543,11 @@ class CrackedMesh:
     def Elements(self, crack: int) -> list[ElementLocation]:
         """
         The ElementLocations of the elements that a crack meets.
+        """
+
+    def CheckMesh(self) -> None:
+        """
+        Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.
         """
 
     def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]:

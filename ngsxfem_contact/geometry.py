@@ -52,10 +52,12 @@ def spline(points, ends="not-a-knot"):
     return of_spline(CubicSpline(np.concatenate([[0], np.cumsum(chords)]), points, bc_type=ends))
 
 
-def curve(function, t0, t1, tolerance=1e-12, max_pieces=4096):
+def curve(function, t0, t1, tolerance=1e-7, max_pieces=4096):
     """The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
     function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
+    tolerance: the energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a
+        smaller one costs pieces, tolerance^(-1/4).
     Raises ValueError if max_pieces pieces do not reach the tolerance.
     """
     check_type(function, Callable, "Crack.Curve: function", "a function of a number that returns two coordinates")
@@ -63,40 +65,61 @@ def curve(function, t0, t1, tolerance=1e-12, max_pieces=4096):
     check_number(t1, "Crack.Curve: t1", lambda t1: t0 < t1 < float("inf"), f"be finite and larger than t0={t0}")
     check_positive(tolerance, "Crack.Curve: tolerance")
     at = lambda t: checked([function(float(ti)) for ti in t], "Crack.Curve")
-    n, t = 8, np.linspace(t0, t1, 9)
-    points = at(t)
+    t = np.linspace(t0, t1, 9)
+    length = np.hypot(*np.diff(at(t), axis=0).T).sum()
+    try:
+        return of_spline(fitted(at, t, tolerance * length, max_pieces))
+    except NotFitted as failed:
+        raise ValueError(
+            f"Crack.Curve: {failed.pieces} cubics deviate by {failed.error / length:.1e}, more than tolerance={tolerance:g} × length; "
+            "the curve must be smooth (join pieces at its kinks), or allow a larger tolerance"
+        ) from None
+
+
+class NotFitted(Exception):
+    """A spline with as many pieces as allowed deviates by an error."""
+
+    def __init__(self, pieces, error):
+        self.pieces, self.error = pieces, error
+
+
+def fitted(at, t, tolerance, max_pieces):
+    """The CubicSpline through points at(t) that deviates by less than the tolerance, its intervals, at first t, divided as often as that takes.
+
+    Raises NotFitted if that is more than max_pieces, or an interval shorter than that many equal ones.
+    """
+    shortest = (t[-1] - t[0]) / max_pieces
     while True:
-        interpolant = CubicSpline(t, points)
-        between = 0.5 * (t[1:] + t[:-1])
-        exact = at(between)
-        error = np.hypot(*(interpolant(between) - exact).T).max()
-        if error <= tolerance * np.hypot(*np.diff(points, axis=0).T).sum():
-            return of_spline(interpolant)
-        if 2 * n > max_pieces:
-            raise ValueError(
-                f"Crack.Curve: {n} cubics deviate by {error:.1e}, more than tolerance={tolerance:g} × length; "
-                "the curve must be smooth (join pieces at its kinks), or allow a larger tolerance"
-            )
-        n, t = 2 * n, np.insert(t, range(1, n + 1), between)
-        points = np.insert(points, range(1, len(points)), exact, axis=0)
+        spline = CubicSpline(t, at(t))
+        middle = 0.5 * (t[1:] + t[:-1])
+        off, tangent = at(middle) - spline(middle), spline(middle, 1)
+        errors = np.abs(off[:, 0] * tangent[:, 1] - off[:, 1] * tangent[:, 0]) / np.hypot(*tangent.T)
+        if errors.max() <= tolerance:
+            return spline
+        parts = np.ceil(1.05 * (errors / tolerance) ** 0.25).astype(int).clip(1, max_pieces)  # the error is of fourth order
+        if parts.sum() > max_pieces or (np.diff(t) / parts).min() < shortest:
+            raise NotFitted(len(t) - 1, errors.max())
+        t = np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in zip(t, t[1:], parts)), t[-1:]])
 
 
-def level_set(mesh, phi, psi=None, tolerance=1e-10, max_points=4096):
+def level_set(mesh, phi, psi=None, tolerance=None, max_points=4096):
     """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
     The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
-    through them deviates from φ = 0 by less than tolerance × its length. Straight ones become segments.
+    through some of them deviates from φ = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below
+    what they resolve. Straight ones become segments.
     The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
     Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
     zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
     """
     check_type(mesh, Mesh, "Crack.LevelSet: mesh", "a Mesh of NGSolve")
-    check_positive(tolerance, "Crack.LevelSet: tolerance")
+    if tolerance is not None:
+        check_positive(tolerance, "Crack.LevelSet: tolerance")
     phi = check_function(phi, "Crack.LevelSet: phi", 1)
     psi = None if psi is None else check_function(psi, "Crack.LevelSet: psi", 1)
     chain = LevelSetChain(mesh, phi, psi).Points()
     length = np.hypot(*np.diff(chain.points, axis=0).T).sum()
-    return chain.Fitted(tolerance * length, max_points)
+    return chain.Fitted(1e-6 * chain.size if tolerance is None else tolerance * length, max_points)
 
 
 class LevelSetChain:
@@ -124,6 +147,7 @@ class LevelSetChain:
         crossed = np.flatnonzero(plus[edges[:, 0]] != plus[edges[:, 1]])
         if len(crossed) == 0:
             raise ValueError("Crack.LevelSet: phi has one sign at all vertices of the mesh; there is no crack, or the mesh is too coarse to see it")
+        self.size = float(np.median(np.hypot(*(vertices[edges[crossed, 1]] - vertices[edges[crossed, 0]]).T)))
         crossing = dict(zip(crossed.tolist(), self.Roots(vertices[edges[crossed, 0]], vertices[edges[crossed, 1]])))
         neighbours = {edge: [] for edge in crossing}
         for element in self.mesh.Elements():
@@ -197,28 +221,30 @@ class LevelSetChain:
         return points if self.Value(self.phi, left[None])[0] > 0 else points[::-1]
 
     def Fitted(self, tolerance, max_points):
-        """The spline through the points, with further points between them until it deviates by less than the tolerance."""
-        while True:
-            points = self.points
-            ends = points[[0, -1]]
-            direction = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
-            if np.abs((points - ends[0]) @ [-direction[1], direction[0]]).max() <= tolerance:
-                return Crack([tuple(p) for p in ends.tolist()])
-            t = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-            interpolant = CubicSpline(t, points)
-            between = 0.5 * (t[1:] + t[:-1])
-            guess, tangent = interpolant(between), interpolant(between, 1)
+        """The spline through points of φ = 0 above or below the spline through those on edges, as many as the tolerance takes."""
+        points = self.points
+        ends = points[[0, -1]]
+        direction = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
+        if np.abs((points - ends[0]) @ [-direction[1], direction[0]]).max() <= tolerance:
+            return Crack([tuple(p) for p in ends.tolist()])
+        chords = np.hypot(*np.diff(points, axis=0).T)
+        t = np.concatenate([[0], np.cumsum(chords)])
+        first = CubicSpline(t, points)
+
+        def at(s):
+            inner, tangent = (s > 0) & (s < t[-1]), first(s, 1)  # beside the ends there may be no mesh
             normals = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.hypot(*tangent.T)[:, None]
-            exact = self.Project(guess, normals, np.diff(t).min())
-            error = np.hypot(*(exact - guess).T).max()
-            if error <= tolerance:
-                return of_spline(interpolant)
-            if 2 * len(points) > max_points:
-                raise ValueError(
-                    f"Crack.LevelSet: a spline through {len(points)} points deviates by {error:.1e}, more than {tolerance:.1e}; "
-                    "phi = 0 must be smooth (P_k functions have kinks on edges): allow a larger tolerance"
-                )
-            self.points = np.insert(points, range(1, len(points)), exact, axis=0)
+            places = first(s)
+            places[inner] = self.Project(places[inner], normals[inner], chords.min())
+            return places
+
+        try:
+            return of_spline(fitted(at, np.linspace(0, t[-1], max(8, len(t) // 4) + 1), tolerance, max_points))
+        except NotFitted as failed:
+            raise ValueError(
+                f"Crack.LevelSet: a spline of {failed.pieces} pieces deviates by {failed.error:.1e}, more than {tolerance:.1e}; "
+                "phi = 0 must be smooth (P_k functions have kinks on edges): allow a larger tolerance"
+            ) from None
 
 
 def chains(neighbours):

@@ -15,6 +15,7 @@ def Interpolant(V, plus, minus=None, tips=()):
     Returns a GridFunction. With several cracks the same pair is used at each.
     Raises ValueError for functions that are not finite or have not two components, and for a wrong number of coefficients.
     """
+    V.body.CheckMesh()
     scalar = V.scalar_space.ndof
     one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
     u = GridFunction(V)

@@ -67,7 +67,7 @@ static void ExportCrack (py::module & m)
          py::arg("s"), "The curvature at arc length s, > 0 where the crack turns left.")
     .def("Outline", [] (const Crack & c, double turn) { return ToPairs(c.Outline(turn)); }, py::arg("turn") = 0.05,
          "Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.")
-    .def("ArcLength", [] (const Crack & c, Pair p) { return c.Nearest(FinitePoint(p)).s; }, py::arg("point"), "Arc length of the nearest point of the crack.")
+    .def("ArcLength", [] (const Crack & c, Pair p) { return c.ArcLength(c.Nearest(FinitePoint(p))); }, py::arg("point"), "Arc length of the nearest point of the crack.")
     .def("Distance", [] (const Crack & c, Pair p) { return c.Nearest(FinitePoint(p)).distance; }, py::arg("point"), "Distance to the nearest point of the crack.")
     .def("SideOf", [] (const Crack & c, Pair p) { return c.SideOf(FinitePoint(p)); }, py::arg("point"),
          "The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself.")
@@ -135,19 +135,17 @@ static void ExportLocation (py::module & m)
 /// Elements and reference coordinates of points on a crack, each in an element that carries that part of it.
 static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<double> & arclengths)
 {
+  body.CheckMesh();
   auto & crack = body.GetCrack(c);
   std::vector<size_t> elements;
   std::vector<double> xi, eta;
   for (double s : arclengths)
     {
       ArcLengthOn(crack, s);
-      const ElementLocation * best = nullptr;
-      double off = std::numeric_limits<double>::infinity();
-      for (auto & location : body.Location(c).Elements())
-        if (double d = location.Off(s); d < off) { best = &location; off = d; }
-      auto & t = best->triangle;
+      auto & location = body.Location(c).At(s);
+      auto & t = location.triangle;
       Point a = t[0]-t[2], b = t[1]-t[2], d = crack.PointAt(s)-t[2];
-      elements.push_back(best->element);
+      elements.push_back(location.element);
       xi.push_back(Cross(d, b)/Cross(a, b));
       eta.push_back(Cross(a, d)/Cross(a, b));
     }
@@ -182,7 +180,8 @@ static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
       "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n\n"
-      "mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined afterwards: build a new CrackedMesh then.\n"
+      "mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined, curved or moved (SetDeformation) afterwards:\n"
+      "all that is built on the body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n"
       "Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the\n"
       "larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds(\"left|right\").\n"
       "Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet\n"
@@ -196,10 +195,12 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("mesh", &CrackedMesh::GetMesh, "The mesh of NGSolve.")
     .def_property_readonly("cracks", &CracksOf, "The Cracks, in the order in which they were given.")
     .def_property_readonly("tips", &CrackedMesh::Tips, "The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.")
+    .def("CheckMesh", &CrackedMesh::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.")
     .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"), "The two CrackEnds of a crack, its start first.")
-    .def("Elements", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
+    .def("Elements", [] (const CrackedMesh & b, size_t c) { b.CheckMesh(); return b.Location(c).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
     .def("Parts", [] (const CrackedMesh & b, size_t element)
          {
+           b.CheckMesh();
            auto cut = b.Find(element);
            return cut ? cut->parts : std::vector<ElementPart>();
          }, py::arg("element"), "The ElementParts into which the cracks divide an element; none if no crack meets it.")

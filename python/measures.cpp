@@ -6,11 +6,18 @@ using namespace ngsxfem_contact;
 using namespace ngfem;
 using ngcomp::Region;
 
+/// With rules for the functions of a space, if one is given.
+static CutDifferentialSymbol ForSpace (CutDifferentialSymbol dx, shared_ptr<ngcomp::FESpace> space)
+{
+  if (space) dx.measure = dx.measure.With(*space);
+  return dx;
+}
+
 static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::optional<std::variant<Region, string>> definedon,
                                        int bonus_intorder, shared_ptr<ngcore::BitArray> definedonelements,
-                                       std::optional<size_t> crack, std::optional<CrackNodes> nodes)
+                                       std::optional<size_t> crack, std::optional<CrackNodes> nodes, shared_ptr<ngcomp::FESpace> space)
 {
-  CutDifferentialSymbol dx(self);
+  CutDifferentialSymbol dx = ForSpace(self, space);
   dx.bonus_intorder = bonus_intorder;
   for (const auto & elements : { definedonelements, crack ? self.measure.body->CrackElements(crack) : nullptr })
     if (elements)
@@ -68,19 +75,21 @@ void ExportMeasures (py::module & m)
   py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol",
       "A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).")
     .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),
-         py::arg("crack") = py::none(), py::arg("nodes") = py::none(),
+         py::arg("crack") = py::none(), py::arg("nodes") = py::none(), py::arg("space") = nullptr,
          "The same measure, restricted or refined.\n\n"
          "definedon: a Region, or the name (a regular expression) of materials for dx, of boundaries for ds.    bonus_intorder: added to the order of the rules.\n"
          "definedonelements: BitArray of elements.    crack: number of the only crack.    nodes: arc lengths at which rules on the cracks are divided, one\n"
-         "list for each crack.    Raises an Exception for a region that the mesh does not have.")
-    .def("Points", [] (const CutDifferentialSymbol & dx, int order)
+         "list for each crack.    space: a CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules\n"
+         "always serve the spaces whose functions, trial or test functions are part of an integrand.    Raises an Exception for a region that the mesh does not have.")
+    .def("Points", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
          {
-           auto p = RulePoints(dx, order);
+           auto p = RulePoints(ForSpace(dx, space), order);
            auto array = [] (auto & v) { return py::array(v.size(), v.data()); };
            return py::make_tuple(array(p.element), array(p.xi), array(p.eta), array(p.weight), array(p.x), array(p.y));
-         }, py::arg("order"), "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order.")
-    .def("PrepareRules", [] (const CutDifferentialSymbol & dx, int order) { dx.measure.Rules(dx.vb, order); }, py::arg("order"),
-         "Makes the rules of this order now, which are otherwise made when they are first used, and kept.")
+         }, py::arg("order"), py::arg("space") = nullptr, "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.")
+    .def("PrepareRules", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
+         { ForSpace(dx, space).measure.Rules(dx.vb, order); }, py::arg("order"), py::arg("space") = nullptr,
+         "Makes the rules of this order now, which are otherwise made when they are first used, and kept as long as the body, or the space if one is given.")
     .def("__rmul__", [] (const CutDifferentialSymbol & dx, double factor)
          { return make_shared<SumOfIntegrals>(dx.MakeIntegral(make_shared<ConstantCoefficientFunction>(factor))); });
 }

@@ -89,10 +89,15 @@ def test_a_spline_is_smooth_and_passes_through_its_points():
 
 
 def test_a_parametrised_curve_is_met_to_its_tolerance():
-    crack = Crack.Curve(lambda t: (t, 0.4 + 0.1 * np.sin(3 * t)), 0, 1)
-    for s in np.linspace(0, crack.length, 97):
-        px, py = crack.PointAt(s)
-        assert py == pytest.approx(0.4 + 0.1 * np.sin(3 * px), abs=2e-12)
+    wave = lambda t: (t, 0.4 + 0.1 * np.sin(3 * t))
+    pieces = []
+    for options, tolerance in (({}, 1e-7), ({"tolerance": 1e-12}, 1e-12)):
+        crack = Crack.Curve(wave, 0, 1, **options)
+        pieces.append(len(crack.pieces))
+        for s in np.linspace(0, crack.length, 97):
+            px, py = crack.PointAt(s)
+            assert py == pytest.approx(0.4 + 0.1 * np.sin(3 * px), abs=2 * tolerance)
+    assert pieces[0] < 30 and pieces[1] < 600
     t, w = np.polynomial.legendre.leggauss(40)
     assert crack.length == pytest.approx(0.5 * w @ np.hypot(1, 0.3 * np.cos(1.5 * (1 + t))), rel=1e-12)
     with pytest.raises(ValueError, match="smooth"):
@@ -137,7 +142,9 @@ def test_a_straight_level_set_is_a_straight_crack():
 
 def test_a_circle_as_a_level_set():
     circle = sqrt((x - 0.3) ** 2 + (y + 0.2) ** 2) - 0.65
-    crack = Crack.LevelSet(FINE, circle, x - 0.6)
+    usual, crack = Crack.LevelSet(FINE, circle, x - 0.6), Crack.LevelSet(FINE, circle, x - 0.6, tolerance=1e-10)
+    assert max(abs(np.hypot(*np.subtract(usual.PointAt(s), (0.3, -0.2))) - 0.65) for s in np.linspace(0, usual.length, 50)) < 2e-7  # 1e-6 of an element
+    assert len(usual.pieces) < 25 < len(crack.pieces)
     for s in np.linspace(0, crack.length, 50):
         p = np.array(crack.PointAt(s))
         assert np.hypot(*(p - (0.3, -0.2))) == pytest.approx(0.65, abs=1e-10)

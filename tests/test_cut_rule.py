@@ -294,7 +294,7 @@ def test_default_rules_against_fine_ones(maxh, options):
         V = CrackFESpace(body, order=1, tip=TipEnrichment(functions="branch", **options, **tolerance))
         u, v = V.TnT()
         K = matrix(InnerProduct(Strain(u), Strain(v)) * body.dx)
-        rows.append((K[list(V.TipDofs(0))].toarray(), len(body.dx.Points(0)[0])))
+        rows.append((K[list(V.TipDofs(0))].toarray(), len(body.dx.Points(0, V)[0])))
     (usual, points), (fine, many) = rows
     assert np.abs(usual - fine).max() < 1e-5 * np.abs(fine).max() and points < 0.8 * many
 

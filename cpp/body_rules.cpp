@@ -1,0 +1,242 @@
+// The integration rules of a body: which elements need one of their own, and how it is put together.
+
+#include "cracked_mesh.hpp"
+#include <algorithm>
+
+namespace ngsxfem_contact
+{
+  using ngfem::IntegrationRule, ngfem::IntegrationPoint;
+
+  void RuleTable :: AddGauss (size_t element, int order)
+  {
+    auto [it, is_new] = gauss.insert({ order, int(rules.size()) });
+    if (is_new) rules.push_back(std::make_unique<ElementRule>(ngfem::SelectIntegrationRule(ngfem::ET_TRIG, order).Copy()));
+    index[element] = it->second;
+  }
+
+  TipDisks Merged (TipDisks a, const TipDisks & b)
+  {
+    for (auto & [tip, disk] : b)
+      {
+        auto & here = a.insert({ tip, disk }).first->second;
+        here.breaks.insert(disk.breaks.begin(), disk.breaks.end());
+        here.tolerance = std::min(here.tolerance, disk.tolerance);
+        here.smoothness = std::min(here.smoothness, disk.smoothness);
+      }
+    return a;
+  }
+
+  namespace
+  {
+    class RuleMaker
+    {
+      const CrackedMesh & body;
+      const MeshAccess & mesh;
+      const std::vector<TipQuadrature> & tips;
+      const RuleKind & kind;
+      int order;
+
+    public:
+      RuleMaker (const CrackedMesh & abody, const std::vector<TipQuadrature> & atips, const RuleKind & akind, int aorder)
+        : body(abody), mesh(*body.GetMesh()), tips(atips), kind(akind), order(aorder) { }
+
+      shared_ptr<RuleTable> Table (VorB vb) const
+      { return vb == BND ? BoundaryTable() : kind.domain == Domain::Crack ? CrackTable() : VolumeTable(); }
+
+    private:
+      std::vector<const TipQuadrature*> TipsNear (const Triangle & t) const
+      {
+        std::vector<const TipQuadrature*> near;
+        for (auto & tip : tips)
+          if (MeetsDisk(t, tip.tip, tip.Radius())) near.push_back(&tip);
+        return near;
+      }
+
+      /// Disks reach at most half the way to other tips: divided along the bisectors, each part meets one disk at most.
+      void AppendPart (const Triangle & part, PointRule & rule) const
+      {
+        auto near = TipsNear(part);
+        std::vector<Polygon> polygons { Polygon(part.begin(), part.end()) };
+        for (size_t i = 0; i < near.size(); i++)
+          for (size_t j = i+1; j < near.size(); j++)
+            {
+              std::vector<Polygon> divided;
+              for (auto & polygon : polygons)
+                {
+                  std::vector<double> d;
+                  for (auto & p : polygon) d.push_back(Dot(Point(p-Lerp(near[i]->tip, near[j]->tip, 0.5)), Point(near[j]->tip-near[i]->tip)));
+                  for (auto & half : Split(polygon, d))
+                    if (half.size() > 2) divided.push_back(half);
+                }
+              polygons = std::move(divided);
+            }
+        for (auto & polygon : polygons)
+          for (auto & t : Fan(polygon))
+            if (auto tip = TipsNear(t); tip.empty()) AppendTriangle(t, order, rule);
+            else AppendTriangleNearTip(t, order, **std::min_element(tip.begin(), tip.end(), [&] (auto p, auto q)
+              { return Norm(Point(p->tip-Centre(polygon))) < Norm(Point(q->tip-Centre(polygon))); }), rule);
+      }
+
+      /// Halved where it meets two disks; then the disk nearer to the crack's part decides.
+      void AppendCurvedPart (const Piece & piece, const Crack & crack, PointRule & rule, int depth = 3) const
+      {
+        auto near = TipsNear(piece.triangle);
+        auto [segment, s0, s1] = *piece.curved;
+        if (near.empty()) return AppendCone(piece, crack, order, rule);
+        double middle = 0.5*(s0+s1);
+        Point apex = piece.triangle[0], m = crack.PointAt(segment, middle);
+        if (near.size() > 1 && depth > 0)
+          {
+            AppendCurvedPart({ { apex, piece.triangle[1], m }, piece.side, Chord { segment, s0, middle } }, crack, rule, depth-1);
+            AppendCurvedPart({ { apex, m, piece.triangle[2] }, piece.side, Chord { segment, middle, s1 } }, crack, rule, depth-1);
+          }
+        else
+          AppendConeNearTip(piece, crack, order, **std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
+            { return Norm(Point(p->tip-m)) < Norm(Point(q->tip-m)); }), rule);
+      }
+
+      std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const Triangle & t) const
+      {
+        // x = t[2] + ξ (t[0]-t[2]) + η (t[1]-t[2])
+        Point a = t[0]-t[2], b = t[1]-t[2];
+        double det = Cross(a, b);
+        IntegrationRule ir;
+        for (auto & [p, weight] : points)
+          {
+            Point d = p-t[2];
+            ir.Append(IntegrationPoint(Cross(d, b)/det, Cross(a, d)/det, 0, weight/std::abs(det)));
+          }
+        ir.SetDim(2);
+        return std::make_unique<ElementRule>(std::move(ir));
+      }
+
+      void AppendPiece (const ElementPart & part, PointRule & rule) const
+      {
+        if (part.piece.curved) AppendCurvedPart(part.piece, body.GetCrack(part.crack), rule);
+        else AppendPart(part.piece.triangle, rule);
+      }
+
+      std::unique_ptr<ElementRule> VolumeRule (size_t element) const
+      {
+        auto t = VerticesOf(mesh, element);
+        PointRule points;
+        if (auto cut = body.Find(element))
+          {
+            auto belongs = [&] (const ElementPart & part)
+            {
+              if (kind.domain == Domain::Bulk) return true;
+              for (size_t k = 0; k < cut->cracks.size(); k++)
+                if (part.larger[k] && (!kind.crack || cut->cracks[k].crack == *kind.crack)) return true;
+              return false;
+            };
+            for (auto & part : cut->parts)
+              if (belongs(part)) AppendPiece(part, points);
+          }
+        else
+          AppendPart(t, points);
+        return MakeRule(points, t);
+      }
+
+      shared_ptr<RuleTable> VolumeTable () const
+      {
+        auto table = make_shared<RuleTable>(mesh.GetNE(VOL));
+        for (size_t element = 0; element < mesh.GetNE(VOL); element++)
+          {
+            if (body.Find(element))
+              {
+                table->Add(element, VolumeRule(element));
+                continue;
+              }
+            auto t = VerticesOf(mesh, element);
+            auto near = TipsNear(t);
+            if (near.empty()) continue;
+            if (auto gauss = GaussOrder(t, order, *near[0]); gauss && near.size() == 1)
+              table->AddGauss(element, *gauss);
+            else
+              table->Add(element, VolumeRule(element));
+          }
+        return table;
+      }
+
+      void AppendCrack (const ElementLocation & location, const Crack & crack, const std::vector<double> & nodes, PointRule & rule) const
+      {
+        auto near = TipsNear(location.triangle);
+        double tolerance = geometric_tolerance*location.h;
+        for (auto & chord : location.chords)
+          {
+            std::vector<double> cuts { chord.s0, chord.s1 };
+            auto cut = [&] (double s) { if (s > chord.s0+tolerance && s < chord.s1-tolerance) cuts.push_back(s); };
+            for (auto s = std::ranges::lower_bound(nodes, chord.s0); s != nodes.end() && *s < chord.s1; ++s) cut(*s);
+            if (near.size() > 1) cut(0.5*crack.Length());      // a crack inside one element: a tip at either end
+            std::sort(cuts.begin(), cuts.end());
+            for (size_t i = 0; i+1 < cuts.size(); i++)
+              {
+                auto at = [&] (double s) { return crack.PointAt(chord.segment, s); };
+                Point a = at(cuts[i]), b = at(cuts[i+1]), middle = Lerp(a, b, 0.5);
+                auto nearest = std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
+                { return Norm(Point(p->tip-middle)) < Norm(Point(q->tip-middle)); });
+                auto tip = nearest == near.end() ? nullptr : *nearest;
+                if (crack.IsStraight(chord.segment)) AppendSegment(a, b, order, tip, location.h, rule);
+                else AppendCurve(crack, { chord.segment, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
+              }
+          }
+      }
+
+      shared_ptr<RuleTable> CrackTable () const
+      {
+        auto table = make_shared<RuleTable>(mesh.GetNE(VOL));
+        auto nodes = kind.nodes;
+        for (auto & some : nodes) std::ranges::sort(some);
+        for (auto & [element, cut] : body.CutElements())
+          {
+            PointRule points;
+            for (auto & here : cut.cracks)
+              if (!kind.crack || *kind.crack == here.crack)
+                AppendCrack(*here.location, body.GetCrack(here.crack), here.crack < nodes.size() ? nodes[here.crack] : std::vector<double>(), points);
+            table->Add(element, MakeRule(points, cut.cracks[0].location->triangle));
+          }
+        return table;
+      }
+
+      std::unique_ptr<ElementRule> BoundaryRule (const std::vector<CutBoundaryEdge> & crossings) const
+      {
+        auto & [element, a, b, first] = crossings[0];
+        // the reference segment runs from the second vertex (0) to the first (1)
+        std::vector<double> cuts { 0, 1 };
+        for (auto & edge : crossings) cuts.push_back(1 - Norm(Point(edge.crossing-a)) / Norm(Point(b-a)));
+        std::sort(cuts.begin(), cuts.end());
+        IntegrationRule ir;
+        for (size_t i = 0; i+1 < cuts.size(); i++)
+          for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, order))
+            ir.Append(IntegrationPoint(cuts[i]+(cuts[i+1]-cuts[i])*ip(0), 0, 0, (cuts[i+1]-cuts[i])*ip.Weight()));
+        ir.SetDim(1);
+        return std::make_unique<ElementRule>(std::move(ir));
+      }
+
+      shared_ptr<RuleTable> BoundaryTable () const
+      {
+        std::map<size_t, std::vector<CutBoundaryEdge>> crossings;
+        for (size_t c = 0; c < body.NumCracks(); c++)
+          for (auto & [element, edge] : body.Location(c).BoundaryEdges()) crossings[element].push_back(edge);
+        auto table = make_shared<RuleTable>(mesh.GetNE(BND));
+        for (auto & [element, edges] : crossings) table->Add(element, BoundaryRule(edges));
+        return table;
+      }
+    };
+  }
+
+  BodyRules :: BodyRules (const CrackedMesh & abody, TipDisks adisks) : body(abody), disks(std::move(adisks))
+  {
+    for (auto & [tip, disk] : disks)
+      tips.push_back({ body.Tips().at(tip).curve, body.Tips()[tip].point, disk.breaks, disk.tolerance, disk.smoothness });
+  }
+
+  shared_ptr<const RuleTable> BodyRules :: Table (const RuleKind & kind, VorB vb, int order) const
+  {
+    body.CheckMesh();
+    std::lock_guard guard(mutex);
+    auto & table = tables[{ kind, vb, order }];
+    if (!table) table = RuleMaker(body, tips, kind, order).Table(vb);
+    return table;
+  }
+}
