@@ -49,12 +49,14 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).
     """
 
-    def Points(self, order: int, space: ngsolve.comp.FESpace | None = None) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    def Points(
+        self, order: int, space: ngsolve.comp.FESpace = None
+    ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
         Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.
         """
 
-    def PrepareRules(self, order: int, space: ngsolve.comp.FESpace | None = None) -> None:
+    def PrepareRules(self, order: int, space: ngsolve.comp.FESpace = None) -> None:
         """
         Makes the rules of this order now, which are otherwise made when they are first used, and kept as long as the body, or the space if one is given.
         """
@@ -66,7 +68,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         definedonelements: pyngcore.pyngcore.BitArray | None = None,
         crack: int | None = None,
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
-        space: ngsolve.comp.FESpace | None = None,
+        space: ngsolve.comp.FESpace = None,
     ) -> CutDifferentialSymbol:
         """
         The same measure, restricted or refined.
@@ -125,7 +127,7 @@ class Crack:
         """
 
     @staticmethod
-    def Curve(function, t0, t1, tolerance=1e-7, max_pieces=4096):
+    def Curve(function, t0, t1, tolerance=1e-07, max_pieces=4096):
         """
         The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
@@ -525,6 +527,11 @@ class CrackedMesh:
     each other, or an element without a strip between them (3 % of its size).
     """
 
+    def CheckMesh(self) -> None:
+        """
+        Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.
+        """
+
     def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
         """
         BitArray of the elements that carry a part of a crack (None: of any).
@@ -543,11 +550,6 @@ class CrackedMesh:
     def Elements(self, crack: int) -> list[ElementLocation]:
         """
         The ElementLocations of the elements that a crack meets.
-        """
-
-    def CheckMesh(self) -> None:
-        """
-        Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.
         """
 
     def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]:

@@ -29,8 +29,8 @@ class ClosedForm:
 
 def uniform_compression(material, p=1, sigma_xx=0.3):
     """(a): a closed crack under σ_yy = -p, σ_xx given; u is linear."""
-    stress = _matrix(CF(sigma_xx), CF(0), CF(-p))
-    return ClosedForm(material.Strain(stress) * CF((x, y)), stress, CF(-p), CF(0))
+    strain = material.Strain(CF((sigma_xx, 0, 0, -p), dims=(2, 2)))
+    return ClosedForm(strain * CF((x, y)), _matrix(CF(sigma_xx), CF(0), CF(-p)), CF(-p), CF(0))
 
 
 def uniform_stress(material, sigma_xx, sigma_xy, sigma_yy):

@@ -38,6 +38,7 @@ class ContactSystem:
 
     def __init__(self, problem):
         self.problem, self.components = problem, problem.friction.components
+        self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
         self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()
         self._assemble(problem)
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
@@ -52,21 +53,21 @@ class ContactSystem:
         stiffness = stiffness_form(problem)
         mass = csr_matrix((W.ndof, W.ndof))
         if self.gamma is not None:
-            stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * W.dcrack
-            mass = to_scipy(BilinearForm(self.gamma * lam * mu * W.dcrack).Assemble().mat)
+            stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
+            mass = to_scipy(BilinearForm(self.gamma * lam * mu * self.dcrack).Assemble().mat)
         self.nodes, self.stiffness = W, stiffness.Assemble().mat
         self.E = vstack([self._coupling(problem, component) for component in self.components], format="csr")
         self.D = block_diag([mass] * len(self.components), format="csr")
-        self.weights = np.tile(LinearForm(mu * W.dcrack).Assemble().vec.FV().NumPy(), len(self.components))
+        self.weights = np.tile(LinearForm(mu * self.dcrack).Assemble().vec.FV().NumPy(), len(self.components))
 
     def _coupling(self, problem, component):
         """The rows of B - C_γ of one component."""
         V, W = problem.V, problem.W
         u, mu = V.TrialFunction(), W.TestFunction()
         coupling = BilinearForm(trialspace=V, testspace=W)
-        coupling += -mu * component.jump(u, problem.body) * W.dcrack
+        coupling += -mu * component.jump(u, problem.body) * self.dcrack
         if self.gamma is not None:
-            coupling += -self.gamma * mu * self.traction.Summed(u, component) * W.dcrack
+            coupling += -self.gamma * mu * self.traction.Summed(u, component) * self.dcrack
         return to_scipy(coupling.Assemble().mat)
 
     def CheckCone(self, cone):
@@ -75,7 +76,7 @@ class ContactSystem:
     def InitialGap(self, problem):
         """∫ψ_i g_0."""
         mu = problem.W.TestFunction()
-        return LinearForm(problem.gap * mu * problem.W.dcrack).Assemble().vec.FV().NumPy()
+        return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
 
     def Given(self, applied):
         """The GivenTraction of an AppliedLoad: zero where nothing is given on the faces, and without γ."""
@@ -87,13 +88,13 @@ class ContactSystem:
     def _given_forces(self, shift):
         """Σ ∫γ r_0 R_h(v)."""
         v = self.problem.V.TestFunction()
-        form = LinearForm(self.gamma * self.traction.WithGiven(v, self.components, shift) * self.problem.W.dcrack)
+        form = LinearForm(self.gamma * self.traction.WithGiven(v, self.components, shift) * self.dcrack)
         return form.Assemble().vec.FV().NumPy().copy()
 
     def _given_moments(self, component, shift):
         """∫γ r_0 ψ_i of one component."""
         mu = self.problem.W.TestFunction()
-        return LinearForm(self.gamma * self.traction.Given(component, shift) * mu * self.problem.W.dcrack).Assemble().vec.FV().NumPy().copy()
+        return LinearForm(self.gamma * self.traction.Given(component, shift) * mu * self.dcrack).Assemble().vec.FV().NumPy().copy()
 
     def Function(self, problem, values, name):
         """The GridFunction of W for one component of L."""

@@ -172,12 +172,12 @@ def _symmetric(gradient):
 class TipIntegral:
     """I(a,b) at one tip, q = 0 for r ≥ radius."""
 
-    def __init__(self, W, frame, radius, bonus_intorder=4):
-        self.frame, self.body, self.mesh = frame, W.body, W.body.mesh
+    def __init__(self, problem, frame, radius, bonus_intorder=4):
+        self.frame, self.body, self.mesh = frame, problem.body, problem.body.mesh
         self.q, self.grad_q = frame.Weight(radius), frame.WeightGradient(radius)
         self.elements = elements_within(self.mesh, frame.tip.point, radius)
-        self.disk = self.body.dx(definedonelements=self.elements, bonus_intorder=bonus_intorder)
-        self.points, self.weights = crack_rule(W, frame.tip, radius)
+        self.disk = self.body.dx(definedonelements=self.elements, bonus_intorder=bonus_intorder, space=problem.V)
+        self.points, self.weights = crack_rule(problem.W, frame.tip, radius)
 
     def __call__(self, a, b):
         return self._volume(a, b) + self._loads(a, b) + self._lips(a, b)
@@ -285,7 +285,7 @@ class InteractionIntegral:
         """StressIntensityFactors of the largest domain, with their change over three and with the pressure."""
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
         u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
-        integrals = [TipIntegral(solution.problem.W, frame, radius) for radius in radii]
+        integrals = [TipIntegral(solution.problem, frame, radius) for radius in radii]
         scale = 4 * material.mu / (material.kappa + 1)
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
         first, second = pressures(solution)
@@ -372,7 +372,7 @@ def t_stress(solution, tip, radius):
     frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
     u, radii = solution_field(solution, frame), disks(frame, solution, radius)
     force = auxiliary_field(frame, material, dict.fromkeys((None, *SIDE), frame.PointForceGradient(material)))
-    strain = np.array([TipIntegral(solution.problem.W, frame, r)(u, force) for r in radii])
+    strain = np.array([TipIntegral(solution.problem, frame, r)(u, force) for r in radii])
     T = 8 * material.mu / (material.kappa + 1) * strain + constant_at_tip(solution, frame, material)
     return TStress(float(T[0]), float(np.ptp(T)), radii, T)
 
@@ -396,5 +396,5 @@ def energy_release_rate(solution, tip, radius):
     K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
     irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
     u, radii = solution_field(solution, frame), disks(frame, solution, radius)
-    G = np.array([0.5 * TipIntegral(solution.problem.W, frame, r)(u, u) for r in radii])
+    G = np.array([0.5 * TipIntegral(solution.problem, frame, r)(u, u) for r in radii])
     return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)

@@ -160,7 +160,10 @@ class CrackGrowth:
     def Step(self):
         """The next state: growth as the last rows say, one solve; returns its TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
         cracks, cycles = self._next
-        rows = [TipStep(self._count, *key, *point, cracks[key[0]].length, cycles=cycles, state=self._ended[key]) for key, point in self._cut.items()]
+        rows = [
+            TipStep(self._count, crack, end, x, y, cracks[crack].length, cycles=cycles, state=self._ended[crack, end])
+            for (crack, end), (x, y) in self._cut.items()
+        ]
         try:
             rows = self._solved(cracks, cycles) + rows
         except SingularSystem:
@@ -197,8 +200,9 @@ class CrackGrowth:
     def _evaluate(self, solution, number):
         """Factors and driving force of a tip; a state if it does not grow."""
         tip = solution.body.tips[number]
-        key = tip.crack, ENDS[int(tip.s > 0)]
-        row = TipStep(self._count, *key, *tip.point, solution.body.cracks[tip.crack].length, state=self._ended.get(key, ""))
+        crack, end = key = tip.crack, ENDS[int(tip.s > 0)]
+        x, y = tip.point
+        row = TipStep(self._count, crack, end, x, y, solution.body.cracks[crack].length, state=self._ended.get(key, ""))
         try:
             factors = solution.StressIntensity(number)
         except ValueError as no_room:

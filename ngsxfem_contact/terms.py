@@ -90,8 +90,16 @@ def replaced(functions, operator):
 
 
 def tested(term, operator):
-    """The form of a term with its test functions replaced by operator(name), None for zero."""
-    return term.form.Replace(replaced(term.test, operator))
+    """The form of a term with its test functions replaced by operator(name), None for zero.
+
+    Raises ValueError for a term with a compiled part, which NGSolve does not look into.
+    """
+    try:
+        return term.form.Replace(replaced(term.test, operator))
+    except Exception as error:
+        if "Compiled" not in str(error):
+            raise
+        raise ValueError("a term of problem.f or problem.a holds a compiled function, whose parts cannot be told apart; leave out its Compile()") from None
 
 
 def coefficient_of_limits(term):

@@ -115,7 +115,8 @@ def boundary_segments(mesh):
 
 def distance_to_boundary(mesh, point):
     """Of a point from ∂Ω, without inner interfaces."""
-    return distance_to_segments(*boundary_segments(mesh), point)
+    a, b = boundary_segments(mesh)
+    return distance_to_segments(a, b, point)
 
 
 def distance_along(mesh, point, direction):

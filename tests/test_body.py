@@ -6,6 +6,7 @@ from helpers import matrix, random_function, rectangle
 from netgen.meshing import Element1D, Element2D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, Integrate, LinearForm, Mesh, VectorH1, ds, sqrt, x, y
+
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Interpolant, Strain, TipEnrichment, TraceSpace
 
 MATERIAL = Elasticity.PlaneStrain(E=1e3, nu=0.3)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from helpers import rectangle, structured
 from ngsolve import CF, Integrate, x, y
+
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Side, TraceSpace
 
 MATERIAL = Elasticity.PlaneStrain(E=1e3, nu=0.3)
