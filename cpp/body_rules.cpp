@@ -95,30 +95,37 @@ namespace ngsxfem_contact
             { return Norm(Point(p->tip-m)) < Norm(Point(q->tip-m)); }), rule);
       }
 
-      std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const Triangle & t) const
+      /// points: in the straight triangle of the element.
+      std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const ElementMap & map) const
       {
-        // x = t[2] + ξ (t[0]-t[2]) + η (t[1]-t[2])
-        Point a = t[0]-t[2], b = t[1]-t[2];
-        double det = Cross(a, b);
+        double det = 2*Area(map.Corners());
         IntegrationRule ir;
         for (auto & [p, weight] : points)
           {
-            Point d = p-t[2];
-            ir.Append(IntegrationPoint(Cross(d, b)/det, Cross(a, d)/det, 0, weight/std::abs(det)));
+            Point reference = map.Reference(p);
+            ir.Append(IntegrationPoint(reference(0), reference(1), 0, weight/det));
           }
         ir.SetDim(2);
         return std::make_unique<ElementRule>(std::move(ir));
       }
 
-      void AppendPiece (const ElementPart & part, PointRule & rule) const
+      void AppendPiece (const CutElement & cut, const ElementPart & part, PointRule & rule) const
       {
-        if (part.piece.curved) AppendCurvedPart(part.piece, body.GetCrack(part.crack), rule);
+        if (part.piece.curved) AppendCurvedPart(part.piece, cut.CrackOf(body.Cracks(), part), rule);
         else AppendPart(part.piece.triangle, rule);
+      }
+
+      /// For the Jacobian of a curved element, and a crack that is bent in its coordinates.
+      RuleMaker Raised () const
+      {
+        RuleMaker raised(*this);
+        raised.order += 2*body.GetMesh()->GetCurveOrder();
+        return raised;
       }
 
       std::unique_ptr<ElementRule> VolumeRule (size_t element) const
       {
-        auto t = VerticesOf(mesh, element);
+        ElementMap map(mesh, element);
         PointRule points;
         if (auto cut = body.Find(element))
           {
@@ -129,12 +136,13 @@ namespace ngsxfem_contact
                 if (part.larger[k] && (!kind.crack || cut->cracks[k].crack == *kind.crack)) return true;
               return false;
             };
+            auto maker = map.IsCurved() ? Raised() : *this;
             for (auto & part : cut->parts)
-              if (belongs(part)) AppendPiece(part, points);
+              if (belongs(part)) maker.AppendPiece(*cut, part, points);
           }
         else
-          AppendPart(t, points);
-        return MakeRule(points, t);
+          AppendPart(map.Corners(), points);
+        return MakeRule(points, map);
       }
 
       shared_ptr<RuleTable> VolumeTable () const
@@ -189,37 +197,83 @@ namespace ngsxfem_contact
         for (auto & some : nodes) std::ranges::sort(some);
         for (auto & [element, cut] : body.CutElements())
           {
+            ElementMap map(mesh, element);
+            auto maker = map.IsCurved() ? Raised() : *this;
             PointRule points;
             for (auto & here : cut.cracks)
               if (!kind.crack || *kind.crack == here.crack)
-                AppendCrack(*here.location, body.GetCrack(here.crack), here.crack < nodes.size() ? nodes[here.crack] : std::vector<double>(), points);
-            table->Add(element, MakeRule(points, cut.cracks[0].location->triangle));
+                maker.AppendCrack(*here.location, body.GetCrack(here.crack), here.crack < nodes.size() ? nodes[here.crack] : std::vector<double>(), points);
+            if (map.IsCurved()) Straighten(points, map);
+            table->Add(element, MakeRule(points, map));
           }
         return table;
       }
 
-      std::unique_ptr<ElementRule> BoundaryRule (const std::vector<CutBoundaryEdge> & crossings) const
+      /// Points on Γ_C in the straight triangle, with weights for NGSolve, which multiplies by the Jacobian there.
+      static void Straighten (PointRule & points, const ElementMap & map)
       {
-        auto & [element, a, b, first] = crossings[0];
-        // the reference segment runs from the second vertex (0) to the first (1)
-        std::vector<double> cuts { 0, 1 };
-        for (auto & edge : crossings) cuts.push_back(1 - Norm(Point(edge.crossing-a)) / Norm(Point(b-a)));
+        for (auto & [p, weight] : points)
+          {
+            p = map.Inverse(p).value();
+            auto [value, d0, d1] = map.At(p);
+            weight /= Cross(d0, d1);
+          }
+      }
+
+      std::vector<const TipQuadrature*> TipsNearEdge (size_t element) const
+      {
+        auto v = mesh.GetElement(ElementId(BND, element)).Vertices();
+        std::vector<const TipQuadrature*> near;
+        for (auto & tip : tips)
+          if (Distance(tip.tip, mesh.GetPoint<2>(v[0]), mesh.GetPoint<2>(v[1])) < (1-1e-9)*tip.Radius() && IsInterface(mesh, element)) near.push_back(&tip);
+        return near;
+      }
+
+      /// The part of an edge from p to q, that lies in disks of tips: in that of the nearest.
+      void AppendEdge (Point p, Point q, const std::vector<const TipQuadrature*> & near, PointRule & points) const
+      {
+        Point middle = Lerp(p, q, 0.5);
+        AppendSegmentBesideTip(p, q, order, **std::min_element(near.begin(), near.end(), [&] (auto s, auto t)
+          { return Norm(Point(s->tip-middle)) < Norm(Point(t->tip-middle)); }), points);
+      }
+
+      /// cuts: where cracks cross the edge, on the reference segment, which runs from the second vertex (0) to the first (1).
+      std::unique_ptr<ElementRule> BoundaryRule (size_t element, std::vector<double> cuts) const
+      {
+        auto v = mesh.GetElement(ElementId(BND, element)).Vertices();
+        Point a = mesh.GetPoint<2>(v[1]), ab = mesh.GetPoint<2>(v[0])-a;
+        auto near = TipsNearEdge(element);
+        for (auto tip : near)                             // divided half-way between two tips
+          for (auto other : near)
+            if (double x = Dot(Point(Lerp(tip->tip, other->tip, 0.5)-a), Point(other->tip-tip->tip)) / Dot(ab, Point(other->tip-tip->tip)); x > 0 && x < 1)
+              cuts.push_back(x);
+        cuts.insert(cuts.end(), { 0, 1 });
         std::sort(cuts.begin(), cuts.end());
         IntegrationRule ir;
         for (size_t i = 0; i+1 < cuts.size(); i++)
-          for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, order))
-            ir.Append(IntegrationPoint(cuts[i]+(cuts[i+1]-cuts[i])*ip(0), 0, 0, (cuts[i+1]-cuts[i])*ip.Weight()));
+          {
+            double x0 = cuts[i], length = cuts[i+1]-x0;
+            PointRule points;
+            if (!near.empty() && length > 0) AppendEdge(Point(a+x0*ab), Point(a+cuts[i+1]*ab), near, points);
+            for (auto & [x, weight] : points)
+              ir.Append(IntegrationPoint(Dot(Point(x-a), ab)/Dot(ab, ab), 0, 0, weight/Norm(ab)));
+            if (near.empty())
+              for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, order))
+                ir.Append(IntegrationPoint(x0+length*ip(0), 0, 0, length*ip.Weight()));
+          }
         ir.SetDim(1);
         return std::make_unique<ElementRule>(std::move(ir));
       }
 
       shared_ptr<RuleTable> BoundaryTable () const
       {
-        std::map<size_t, std::vector<CutBoundaryEdge>> crossings;
+        std::map<size_t, std::vector<double>> cuts;
         for (size_t c = 0; c < body.NumCracks(); c++)
-          for (auto & [element, edge] : body.Location(c).BoundaryEdges()) crossings[element].push_back(edge);
+          for (auto & [element, edge] : body.Location(c).BoundaryEdges()) cuts[element].push_back(1-edge.along);
+        for (size_t element = 0; !tips.empty() && element < mesh.GetNE(BND); element++)
+          if (!TipsNearEdge(element).empty()) cuts[element];
         auto table = make_shared<RuleTable>(mesh.GetNE(BND));
-        for (auto & [element, edges] : crossings) table->Add(element, BoundaryRule(edges));
+        for (auto & [element, on_edge] : cuts) table->Add(element, BoundaryRule(element, on_edge));
         return table;
       }
     };

@@ -120,12 +120,13 @@ namespace ngsxfem_contact
     {
       Vec<2,AutoDiff<2,T>> values[TipFunctions::max_functions], minus[TipFunctions::max_functions];
       size_t dof = 2*NumScalar();
+      bool on_edge = ElementType() == ngfem::ET_SEGM;             // off Γ_C: a point of it has one value
       for (auto tip : tips)
         {
-          tip->Evaluate(x, trace == Trace::Jump ? 1 : ForcedSide(trace, tip->Crack()), values);
+          tip->Evaluate(x, on_edge ? 0 : trace == Trace::Jump ? 1 : ForcedSide(trace, tip->Crack()), values);
           if (trace == Trace::Jump)
             {
-              tip->Evaluate(x, -1, minus);
+              tip->Evaluate(x, on_edge ? 0 : -1, minus);
               for (int m = 0; m < tip->Size(); m++)
                 for (int k = 0; k < 2; k++) values[m](k) -= minus[m](k);
             }

@@ -163,7 +163,8 @@ namespace ngsxfem_contact
             // just beyond the edge: the crack may run along it
             auto [v0, v1] = ma->GetEdgePNums(edge);
             auto & t = carried->triangle;
-            return int(curve.SideOf(Lerp(Centre({ t[0], t[1], t[2] }), Lerp(ma->GetPoint<2>(v0), ma->GetPoint<2>(v1), 0.5), 1.001)));
+            Point beyond = Lerp(Centre({ t[0], t[1], t[2] }), Lerp(ma->GetPoint<2>(v0), ma->GetPoint<2>(v1), 0.5), 1.001);
+            return int(curve.SideOf(ElementMap(*ma, carried->element).Value(beyond)));
           });
         }
     while (!queue.empty())

@@ -236,18 +236,50 @@ namespace ngsxfem_contact
 
   void CrackFESpace :: CollectTips ()
   {
-    tips_of.SetSize(ma->GetNE(VOL));
-    tips_of = 0;
+    for (auto vb : { VOL, BND })
+      {
+        tips_of[vb].SetSize(ma->GetNE(vb));
+        tips_of[vb] = 0;
+      }
     tip_sets.assign(1, {});
     for (size_t t = 0; t < tips.size(); t++)
       if (tips[t])
-        for (size_t i = 0; i < ma->GetNE(VOL); i++)
-          if (MeetsDisk(VerticesOf(*ma, i), tips[t]->Tip(), tips[t]->Spec().r1))
-            {
-              auto with = tip_sets[tips_of[i]].tips;
-              with.push_back(t);
-              tips_of[i] = TipSetOf(with);
-            }
+        {
+          for (size_t i = 0; i < ma->GetNE(VOL); i++)
+            if (MeetsDisk(VerticesOf(*ma, i), tips[t]->Tip(), tips[t]->Spec().r1)) AddTip(ElementId(VOL, i), t);
+          AddToInterfaces(t);
+        }
+  }
+
+  void CrackFESpace :: AddTip (ElementId ei, size_t tip)
+  {
+    auto & set = tips_of[ei.VB()][ei.Nr()];
+    auto with = tip_sets[set].tips;
+    with.push_back(tip);
+    set = TipSetOf(with);
+  }
+
+  /// ∂Ω is outside of all disks, inner interfaces need not be.
+  void CrackFESpace :: AddToInterfaces (size_t t)
+  {
+    Point tip = tips[t]->Tip();
+    double r1 = tips[t]->Spec().r1, to_fixed = r1;
+    string fixed;
+    for (size_t i = 0; i < ma->GetNE(BND); i++)
+      {
+        auto el = ma->GetElement(ElementId(BND, i));
+        double distance = Distance(tip, ma->GetPoint<2>(el.Vertices()[0]), ma->GetPoint<2>(el.Vertices()[1]));
+        if (distance >= (1-1e-9)*r1 || !IsInterface(*ma, i)) continue;
+        AddTip(ElementId(BND, i), t);
+        if ((held[0][el.GetIndex()] || held[1][el.GetIndex()]) && distance < to_fixed)
+          {
+            to_fixed = distance;
+            fixed = ma->GetMaterial(BND, el.GetIndex());
+          }
+      }
+    if (to_fixed < r1)
+      throw Exception("CrackFESpace: the fixed inner boundary '" + fixed + "' runs through the disk r1 = " + ngcore::ToString(r1) + " of the tip at " + ToString(tip)
+                      + ", whose functions do not vanish on it; choose r1 below its distance " + ngcore::ToString(to_fixed) + ", or no functions at this tip (tip=None)");
   }
 
   int CrackFESpace :: TipSetOf (const std::vector<size_t> & numbers)
@@ -303,7 +335,7 @@ namespace ngsxfem_contact
   {
     GetComponent(ei, dnums);
     size_t n = dnums.Size(), ns = NumScalar(), nh = NumHeaviside();
-    const TipSet & set = ei.VB() == VOL ? TipsOf(ei) : tip_sets[0];
+    const TipSet & set = TipsOf(ei);
     dnums.SetSize(2*n + set.dofs.size());
     for (size_t i = 0; i < n; i++)
       {

@@ -38,7 +38,7 @@ namespace ngsxfem_contact
       std::vector<DofId> dofs;
     };
     // by element, VOL and BND; 0: none
-    Array<int> heaviside_of[2], tips_of;
+    Array<int> heaviside_of[2], tips_of[2];
     std::vector<HeavisideFunctions> heaviside[2];
     std::vector<TipSet> tip_sets;
 
@@ -80,7 +80,7 @@ namespace ngsxfem_contact
     /// The functions of one component of an element: φ_i, then NumScalar() + j for the j-th Heaviside function.
     void GetComponent (ElementId ei, Array<DofId> & functions) const;
     /// The tips whose functions an element has.
-    const std::vector<size_t> & TipsAt (size_t element) const { return tip_sets[tips_of[element]].tips; }
+    const std::vector<size_t> & TipsAt (size_t element) const { return tip_sets[tips_of[VOL][element]].tips; }
     /// All dofs from here on belong to tips.
     DofId FirstTipDof () const { return 2*(NumScalar()+NumHeaviside()); }
 
@@ -97,11 +97,13 @@ namespace ngsxfem_contact
     const Support & SupportOf (size_t j) const { return supports[At(j).support]; }
     void CollectHeaviside (VorB vb);
     void CollectTips ();
+    void AddTip (ElementId ei, size_t tip);
+    void AddToInterfaces (size_t tip);
     int TipSetOf (const std::vector<size_t> & tips);
     const HeavisideFunctions & HeavisideOf (ElementId ei) const
     { return heaviside[ei.VB()][heaviside_of[ei.VB()][ei.Nr()]]; }
     const TipSet & TipsOf (ElementId ei) const
-    { return tip_sets[ei.VB() == VOL ? tips_of[ei.Nr()] : 0]; }
+    { return tip_sets[ei.VB() <= BND ? tips_of[ei.VB()][ei.Nr()] : 0]; }
     int SideOfBoundaryElement (size_t element, const Support & support) const;
     struct HeldLength { double plus = 0, minus = 0; };
     std::array<HeldLength,2> HeldLengths (ngcomp::NodeId node, const Support & support) const;

@@ -14,12 +14,15 @@ namespace ngsxfem_contact
     if (located_in.deformed)
       throw Exception("CrackedMesh: the mesh is moved by SetDeformation, which cracks and rules know nothing of; build a mesh of the moved body");
     if (cracks.empty()) throw Exception("CrackedMesh: give at least one crack");
+    CheckTriangles(*mesh);
+    BodyBoundary boundary(*mesh);
+    for (size_t c = 0; c < cracks.size(); c++) cracks[c] = FittedToBody(cracks[c], c, boundary, notes);
     locations.reserve(cracks.size());
     for (auto & crack : cracks)
       locations.emplace_back(*mesh, crack);
     CheckDistinct();
     FindCutElements();
-    FindTips();
+    FindTips(boundary);
   }
 
   size_t CrackedMesh :: Checked (size_t crack) const
@@ -56,7 +59,7 @@ namespace ngsxfem_contact
       cut_elements.emplace(element, CutElement(cracks, std::move(meeting)));
   }
 
-  void CrackedMesh :: FindTips ()
+  void CrackedMesh :: FindTips (const BodyBoundary & boundary)
   {
     for (size_t c = 0; c < cracks.size(); c++)
       for (auto & end : locations[c].Ends())
@@ -66,23 +69,15 @@ namespace ngsxfem_contact
             TipCurve curve(cracks[c], at_end);
             tips.push_back({ c, end.s, curve, end.point, curve.Ahead(), at_end ? 1 : -1, 0, "" });
           }
-    for (auto & tip : tips) SetClearance(tip);
+    for (auto & tip : tips) SetClearance(tip, boundary);
   }
 
-  void CrackedMesh :: SetClearance (Tip & tip) const
+  void CrackedMesh :: SetClearance (Tip & tip, const BodyBoundary & boundary) const
   {
     tip.clearance = std::numeric_limits<double>::infinity();
     auto limit = [&] (double distance, std::string what)
     { if (distance < tip.clearance) { tip.clearance = distance; tip.limit = what; } };
-    for (size_t i = 0; i < mesh->GetNE(BND); i++)
-      {
-        auto el = mesh->GetElement(ElementId(BND, i));
-        ngcore::Array<int> neighbours;
-        mesh->GetEdgeElements(el.Edges()[0], neighbours);
-        if (neighbours.Size() > 1) continue;            // an inner interface
-        auto v = el.Vertices();
-        limit(Distance(tip.point, mesh->GetPoint<2>(v[0]), mesh->GetPoint<2>(v[1])), "the boundary of the body");
-      }
+    limit(boundary.Nearest(tip.point).distance, "the boundary of the body");
     LimitByCracks(tip, limit);
     for (auto & other : tips)
       if (&other != &tip) limit(0.5*Norm(Point(other.point-tip.point)), "half the way to the tip at " + ToString(other.point));

@@ -1,6 +1,7 @@
 #pragma once
 // A mesh with its cracks: where they lie, their tips, and the integration rules of its measures.
 
+#include "crack_ends.hpp"
 #include "curved_rule.hpp"
 #include "cut_element.hpp"
 #include <functional>
@@ -109,6 +110,7 @@ namespace ngsxfem_contact
     shared_ptr<MeshAccess> mesh;
     MeshState located_in;
     std::vector<Crack> cracks;
+    std::vector<std::string> notes;
     std::vector<CrackLocation> locations;
     std::vector<Tip> tips;
     std::map<size_t, CutElement> cut_elements;
@@ -118,7 +120,9 @@ namespace ngsxfem_contact
     mutable std::mutex rules_mutex;
 
   public:
-    /// Throws for what Crack, CrackLocation and CutElement refuse, for cracks that meet, and for a mesh with a deformation.
+    /// The cracks are fitted to the body first: see FittedToBody.
+    /// Throws for a mesh that is not plane triangles, for what FittedToBody, CrackLocation and CutElement refuse, for cracks that meet, and for a
+    /// mesh with a deformation.
     CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
 
     shared_ptr<MeshAccess> GetMesh() const { return mesh; }
@@ -130,6 +134,8 @@ namespace ngsxfem_contact
     const CrackLocation & Location (size_t i) const { return locations[Checked(i)]; }
     const std::vector<Crack> & Cracks() const { return cracks; }
     const std::vector<Tip> & Tips() const { return tips; }
+    /// What was changed at the ends of the cracks, in words.
+    const std::vector<std::string> & Notes() const { return notes; }
 
     /// An element that a crack crosses, ends in, or runs along; nullptr elsewhere.
     const CutElement * Find (size_t element) const;
@@ -146,8 +152,8 @@ namespace ngsxfem_contact
     size_t Checked (size_t crack) const;
     void CheckDistinct () const;
     void FindCutElements ();
-    void FindTips ();
-    void SetClearance (Tip & tip) const;
+    void FindTips (const BodyBoundary & boundary);
+    void SetClearance (Tip & tip, const BodyBoundary & boundary) const;
     void LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
   };
 }

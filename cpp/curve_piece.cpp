@@ -44,6 +44,57 @@ namespace ngsxfem_contact
     return samples;
   }
 
+  double NumericCurve :: Integral (double a, double b) const
+  {
+    double sum = 0;
+    for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, 31))
+      {
+        Point d = Derivative(a + ip(0)*(b-a));
+        sum += ip.Weight() * sqrt(Dot(d, d));
+      }
+    return sum*(b-a);
+  }
+
+  double NumericCurve :: Parameter (double s) const
+  {
+    double t = std::clamp(s/length, 0.0, 1.0) * End();
+    for (int it = 0; it < 20; it++)
+      {
+        double step = (s-ArcLength(t)) / Norm(Derivative(t));
+        t = std::clamp(t+step, 0.0, End());
+        if (std::abs(step) < 1e-15*End()) break;
+      }
+    return t;
+  }
+
+  /// Newton's method on (x(t)-p)·x'(t) = 0 from the best of several points, halved where it leaves its bracket.
+  double NumericCurve :: Nearest (Point p) const
+  {
+    constexpr int n = 8;
+    double end = End();
+    auto distance2 = [&] (double t) { Point d = Value(t)-p; return Dot(d, d); };
+    int best = 0;
+    double least = distance2(0);
+    for (int i = 1; i <= n; i++)
+      if (double d2 = distance2(end*i/n); d2 < least) { best = i; least = d2; }
+    auto slope = [&] (double t) { return Dot(Point(Value(t)-p), Derivative(t)); };
+    double lo = end*std::max(0, best-1)/n, hi = end*std::min(n, best+1)/n;
+    if (slope(lo) >= 0) return lo;
+    if (slope(hi) <= 0) return hi;
+    double t = end*best/n;
+    for (int it = 0; it < 60 && hi-lo > 1e-16*end; it++)
+      {
+        double f = slope(t);
+        (f > 0 ? hi : lo) = t;
+        Point d = Derivative(t);
+        double rate = Dot(d, d) + Dot(Point(Value(t)-p), SecondDerivative(t)), next = t-f/rate;
+        if (!(rate > 0 && next > lo && next < hi)) next = 0.5*(lo+hi);
+        if (std::abs(next-t) < 1e-16*end) break;
+        t = next;
+      }
+    return t;
+  }
+
   namespace
   {
     class Segment : public CurvePiece
@@ -67,6 +118,7 @@ namespace ngsxfem_contact
       }
       int GaussPoints (int order, double, double) const override { return order/2+1; }
       bool IsStraight () const override { return true; }
+      PiecePtr Part (double t0, double t1) const override { return MakeSegment(Value(t0), Value(t1)); }
       std::pair<std::string, std::vector<Point>> Description () const override { return { "segment", { a, b } }; }
     };
 
@@ -151,69 +203,32 @@ namespace ngsxfem_contact
           }
         return order/2 + 1 + extra;
       }
+      PiecePtr Part (double t0, double t1) const override
+      {
+        if (std::abs(t1-t0) < 1e-7*std::abs(radius)) return MakeSegment(Value(t0), Value(t1));      // three points on a line
+        return MakeArc(Value(t0), Value(0.5*(t0+t1)), Value(t1));
+      }
       std::pair<std::string, std::vector<Point>> Description () const override
       { return { "arc", std::vector<Point>(given.begin(), given.end()) }; }
     };
 
-    class Cubic : public CurvePiece
+    class Cubic : public NumericCurve
     {
       std::array<Point,4> c;                 // powers of t in [0, 1]
-      double length;
     public:
       Cubic (std::array<Point,4> ac) : c(ac) { length = Integral(0, 1); }
+      /// From values and derivatives at the ends.
+      static std::array<Point,4> Powers (Point p0, Point d0, Point p1, Point d1)
+      {
+        Point chord = p1-p0;
+        return { p0, d0, Point(3*chord-2*d0-d1), Point(d0+d1-2*chord) };
+      }
       double End () const override { return 1; }
       Point Value (double t) const override { return Point(c[0] + t*(c[1] + t*(c[2] + t*c[3]))); }
       Point Derivative (double t) const override { return Point(c[1] + t*(2*c[2] + t*3*c[3])); }
       Point SecondDerivative (double t) const override { return Point(2*c[2] + 6*t*c[3]); }
-      double Length () const override { return length; }
-      double ArcLength (double t) const override { return t >= 1 ? length : Integral(0, t); }
-      double Integral (double a, double b) const
-      {
-        double sum = 0;
-        for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, 31))
-          {
-            Point d = Derivative(a + ip(0)*(b-a));
-            sum += ip.Weight() * sqrt(Dot(d, d));
-          }
-        return sum*(b-a);
-      }
-      double Parameter (double s) const override
-      {
-        double t = std::clamp(s/length, 0.0, 1.0);
-        for (int it = 0; it < 20; it++)
-          {
-            double step = (s-ArcLength(t)) / Norm(Derivative(t));
-            t = std::clamp(t+step, 0.0, 1.0);
-            if (std::abs(step) < 1e-15) break;
-          }
-        return t;
-      }
-      /// Newton's method on (x(t)-p)·x'(t) = 0 from the best of several points, halved where it leaves its bracket.
-      double Nearest (Point p) const override
-      {
-        constexpr int n = 8;
-        auto distance2 = [&] (double t) { Point d = Value(t)-p; return Dot(d, d); };
-        int best = 0;
-        double least = distance2(0);
-        for (int i = 1; i <= n; i++)
-          if (double d2 = distance2(double(i)/n); d2 < least) { best = i; least = d2; }
-        auto slope = [&] (double t) { return Dot(Point(Value(t)-p), Derivative(t)); };
-        double lo = std::max(0, best-1)/double(n), hi = std::min(n, best+1)/double(n);
-        if (slope(lo) >= 0) return lo;
-        if (slope(hi) <= 0) return hi;
-        double t = double(best)/n;
-        for (int it = 0; it < 60 && hi-lo > 1e-16; it++)
-          {
-            double f = slope(t);
-            (f > 0 ? hi : lo) = t;
-            Point d = Derivative(t);
-            double rate = Dot(d, d) + Dot(Point(Value(t)-p), SecondDerivative(t)), next = t-f/rate;
-            if (!(rate > 0 && next > lo && next < hi)) next = 0.5*(lo+hi);
-            if (std::abs(next-t) < 1e-16) break;
-            t = next;
-          }
-        return t;
-      }
+      PiecePtr Part (double t0, double t1) const override
+      { return std::make_shared<Cubic>(Powers(Value(t0), Point((t1-t0)*Derivative(t0)), Value(t1), Point((t1-t0)*Derivative(t1)))); }
       void AppendCrossings (Point a, Point normal, std::vector<double> & t) const override
       {
         std::array<double,4> q { Dot(Point(c[0]-a), normal), Dot(c[1], normal), Dot(c[2], normal), Dot(c[3], normal) };
@@ -286,9 +301,8 @@ namespace ngsxfem_contact
 
   std::vector<PiecePtr> MakeCubic (Point p0, Point d0, Point p1, Point d1)
   {
-    Point chord = p1-p0;
     std::vector<PiecePtr> pieces;
-    AppendTame(Cubic({ p0, d0, Point(3*chord-2*d0-d1), Point(d0+d1-2*chord) }), 20, pieces);
+    AppendTame(Cubic(Cubic::Powers(p0, d0, p1, d1)), 20, pieces);
     return pieces;
   }
 }

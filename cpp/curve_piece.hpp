@@ -45,6 +45,8 @@ namespace ngsxfem_contact
     /// Gauss points in t that integrate f(x(t)) × x'(t), f a polynomial of the given order, between two parameters.
     virtual int GaussPoints (int order, double t0, double t1) const = 0;
     virtual bool IsStraight () const { return false; }
+    /// The part between two parameters; they may lie a little beyond the ends, where the curve goes on.
+    virtual std::shared_ptr<const CurvePiece> Part (double t0, double t1) const = 0;
     /// "segment", "arc" or "cubic", and the points that define it.
     virtual std::pair<std::string, std::vector<Point>> Description () const = 0;
 
@@ -54,6 +56,19 @@ namespace ngsxfem_contact
     double Curvature (double s) const;
     /// Arc lengths from 0 to Length() between which the direction turns by at most `turn` (about).
     std::vector<double> Samples (double turn) const;
+  };
+
+  /// A curve whose arc length and nearest points are found by numbers.
+  class NumericCurve : public CurvePiece
+  {
+  protected:
+    double length = 0;
+    double Integral (double a, double b) const;
+  public:
+    double Length () const override { return length; }
+    double ArcLength (double t) const override { return t >= End() ? length : Integral(0, t); }
+    double Parameter (double s) const override;
+    double Nearest (Point p) const override;
   };
 
   using PiecePtr = std::shared_ptr<const CurvePiece>;

@@ -172,7 +172,7 @@ namespace ngsxfem_contact
     {
       double plus = 0, minus = 0;
       for (auto & part : element.parts)
-        if (IsBeside(part, element, all, k)) (part.sides[k] == Side::Plus ? plus : minus) += Area(part.piece, all[part.crack]);
+        if (IsBeside(part, element, all, k)) (part.sides[k] == Side::Plus ? plus : minus) += Area(part.piece, element.CrackOf(all, part));
       element.cracks[k].larger = LargerSide(plus, minus);
       for (auto & part : element.parts)
         part.larger.push_back(part.sides[k] == element.cracks[k].larger && IsBeside(part, element, all, k));
@@ -184,6 +184,9 @@ namespace ngsxfem_contact
     auto & t = cracks[0].location->triangle;
     if (IsShared())
       {
+        if (cracks[0].location->curved)
+          throw Exception("CrackedMesh: cracks " + std::to_string(cracks[0].crack) + " and " + std::to_string(cracks[1].crack)
+                          + " meet the same curved element near " + ToString(Centre({ t.begin(), t.end() })) + "; refine the mesh there");
         std::vector<size_t> everyone;
         for (size_t k = 0; k < cracks.size(); k++) everyone.push_back(k);
         Separation(all, *this).Append({ t.begin(), t.end() }, everyone);

@@ -279,4 +279,41 @@ namespace ngsxfem_contact
       Gauss(sqrt(radii[i]), sqrt(radii[i+1]), tip->RadialPoints(order), [&] (double s, double w)
       { rule.push_back({ Point(a + (s*s-ra)/(rb-ra)*d), w*2*s*length/(rb-ra) }); });
   }
+
+  namespace
+  {
+    /// Halved until no part is longer than its distance from the tip: there √r is not smooth.
+    void AppendGraded (Point a, Point b, int n, Point tip, int depth, PointRule & rule)
+    {
+      double length = Norm(Point(b-a));
+      Point m = Lerp(a, b, 0.5);
+      if (depth > 0 && Distance(tip, a, b) < length)
+        {
+          AppendGraded(a, m, n, tip, depth-1, rule);
+          AppendGraded(m, b, n, tip, depth-1, rule);
+        }
+      else
+        Gauss(0, 1, n, [&] (double t, double w) { rule.push_back({ Lerp(a, b, t), w*length }); });
+    }
+  }
+
+  void AppendSegmentBesideTip (Point a, Point b, int order, const TipQuadrature & tip, PointRule & rule)
+  {
+    Point d = b-a, to_tip = tip.tip-a;
+    double length = Norm(d), foot = Dot(to_tip, d)/(length*length), height = std::abs(Cross(d, to_tip))/length;
+    std::set<double> cuts { foot };
+    for (double radius : tip.breaks)
+      if (radius > height)
+        for (double half = sqrt(radius*radius-height*height)/length; double x : { foot-half, foot+half }) cuts.insert(x);
+    std::vector<double> parts { 0 };
+    for (double x : cuts)
+      if (x > 1e-12 && x < 1-1e-12) parts.push_back(x);
+    parts.push_back(1);
+    for (size_t i = 0; i+1 < parts.size(); i++)
+      {
+        Point p = Lerp(a, b, parts[i]), q = Lerp(a, b, parts[i+1]);
+        if (height <= 1e-10*length) AppendSegment(p, q, order, &tip, tip.Radius(), rule);
+        else AppendGraded(p, q, 8+order/2+int(-0.5*log10(tip.tolerance)), tip.tip, 40, rule);
+      }
+  }
 }

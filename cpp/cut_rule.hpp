@@ -55,6 +55,9 @@ namespace ngsxfem_contact
   /// Gauss on a straight part of Γ_C; in √r, and divided at the breaks and at break_distance from the tip, if tip != nullptr.
   void AppendSegment (Point a, Point b, int order, const TipQuadrature * tip, double break_distance, PointRule & rule);
 
+  /// Gauss on a segment in the disk of a tip that is no part of Γ_C: divided at the breaks and towards the tip, in √r if the tip is on its line.
+  void AppendSegmentBesideTip (Point a, Point b, int order, const TipQuadrature & tip, PointRule & rule);
+
   double DistanceToTriangle (Point p, const Triangle & t);
   /// Whether the distance of p to t is less than r.
   bool MeetsDisk (const Triangle & t, Point p, double r);

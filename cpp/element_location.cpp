@@ -7,34 +7,34 @@ namespace ngsxfem_contact
   using ngcore::Exception;
   using ngfem::ElementId, ngfem::VOL, ngfem::BND, ngfem::NodeId;
 
-  Triangle VerticesOf (const MeshAccess & mesh, size_t element)
-  {
-    auto vertices = mesh.GetElement(ElementId(VOL, element)).Vertices();
-    return { mesh.GetPoint<2>(vertices[0]), mesh.GetPoint<2>(vertices[1]), mesh.GetPoint<2>(vertices[2]) };
-  }
-
   namespace
   {
     std::string Place (const Triangle & t) { return "near " + ToString(Point(1./3*(t[0]+t[1]+t[2]))); }
 
-    /// Somewhat larger than the triangle.
-    Box BoxAround (const Triangle & t) { return BoxOf(t).Grown(1e-3*LongestEdge(t)); }
+    /// Somewhat larger than the element.
+    Box BoxAround (const ElementMap & map) { return BoxOf(map.Corners()).Grown(1e-3*LongestEdge(map.Corners()) + 1.5*map.Bulge()); }
+  }
 
-    void CheckTriangles (const MeshAccess & mesh)
-    {
-      if (mesh.GetDimension() != 2)
-        throw Exception("CrackedMesh: the mesh has dimension " + std::to_string(mesh.GetDimension()) + "; only plane bodies can be cracked");
-      for (size_t i = 0; i < mesh.GetNE(VOL); i++)
-        if (mesh.GetElType(ElementId(VOL, i)) != ngfem::ET_TRIG)
-          throw Exception("CrackedMesh: element " + std::to_string(i)
-                          + " is not a triangle; generate the mesh without quads (quad_dominated=False)");
-    }
+  void CheckTriangles (const MeshAccess & mesh)
+  {
+    if (mesh.GetDimension() != 2)
+      throw Exception("CrackedMesh: the mesh has dimension " + std::to_string(mesh.GetDimension()) + "; only plane bodies can be cracked");
+    for (size_t i = 0; i < mesh.GetNE(VOL); i++)
+      if (mesh.GetElType(ElementId(VOL, i)) != ngfem::ET_TRIG)
+        throw Exception("CrackedMesh: element " + std::to_string(i)
+                        + " is not a triangle; generate the mesh without quads (quad_dominated=False)");
+  }
+
+  bool IsInterface (const MeshAccess & mesh, size_t bnd_element)
+  {
+    ngcore::Array<int> neighbours;
+    mesh.GetEdgeElements(mesh.GetElement(ElementId(BND, bnd_element)).Edges()[0], neighbours);
+    return neighbours.Size() > 1;
   }
 
   CrackLocation :: CrackLocation (const MeshAccess & amesh, const Crack & acrack)
     : mesh(amesh), crack(acrack)
   {
-    CheckTriangles(mesh);
     auto beside = ElementsBeside();
     double h = std::numeric_limits<double>::infinity();
     for (auto element : beside)
@@ -57,97 +57,21 @@ namespace ngsxfem_contact
   {
     std::vector<size_t> beside;
     for (size_t element = 0; element < mesh.GetNE(VOL); element++)
-      {
-        auto t = VerticesOf(mesh, element);
-        if (!crack.PiecesNear(BoxAround(t)).empty()) beside.push_back(element);
-      }
+      if (!crack.PiecesNear(BoxAround(ElementMap(mesh, element))).empty()) beside.push_back(element);
     if (beside.empty())
       throw Exception("CrackedMesh: the crack from " + ToString(crack.Points().front()) + " to " + ToString(crack.Points().back())
                       + " lies outside the body; give its points in the mesh's coordinates");
     return beside;
   }
 
-  std::optional<CrackLocation::Clip> CrackLocation :: ClipSegment (const Triangle & t, size_t segment) const
-  {
-    std::array<double,3> d, along;
-    int zeros = 0;
-    for (int i = 0; i < 3; i++)
-      {
-        d[i] = crack.LineDistance(segment, t[i]);
-        if (std::abs(d[i]) <= tolerance) { d[i] = 0; zeros++; }
-        along[i] = Dot(Point(t[i]-crack.Points()[segment]), crack.Tangent(segment, 0));
-      }
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-    auto extend = [&] (double a) { lo = std::min(lo, a); hi = std::max(hi, a); };
-    bool crosses = false;
-    for (int i = 0; i < 3; i++)
-      {
-        int j = (i+1)%3;
-        if (d[i] == 0) extend(along[i]);
-        if (d[i]*d[j] < 0)
-          {
-            crosses = true;
-            extend((d[i]*along[j]-d[j]*along[i]) / (d[i]-d[j]));
-          }
-      }
-    if (!crosses && zeros != 2) return std::nullopt;
-
-    double s = crack.ArcLength(segment), length = crack.ArcLength(segment+1)-s;
-    bool starts = lo < -tolerance, ends = hi > length+tolerance;
-    lo = std::max(lo, 0.0);
-    hi = std::min(hi, length);
-    if (hi-lo <= tolerance) return std::nullopt;
-    return Clip { !crosses, { segment, s+lo, s+hi }, starts, ends };
-  }
-
-  std::vector<CrackLocation::Clip> CrackLocation :: ClipPiece (size_t element, const Triangle & t, size_t segment) const
-  {
-    if (!crack.IsStraight(segment)) return ClipCurve(element, t, segment);
-    auto clip = ClipSegment(t, segment);
-    return clip ? std::vector<Clip> { *clip } : std::vector<Clip>();
-  }
-
-  /// Both neighbours of an edge find the same crossings: its line is the same for them to the last bit.
-  std::vector<CrackLocation::Clip> CrackLocation :: ClipCurve (size_t element, const Triangle & t, size_t segment) const
-  {
-    auto & piece = crack.Piece(segment);
-    struct Edge { Point a, normal; bool positive; };
-    std::vector<Edge> edges;
-    std::vector<double> breaks { 0, piece.End() };
-    for (auto nr : mesh.GetElement(ElementId(VOL, element)).Edges())
-      {
-        auto [v0, v1] = mesh.GetEdgePNums(nr);
-        Point a = mesh.GetPoint<2>(std::min(v0, v1)), b = mesh.GetPoint<2>(std::max(v0, v1));
-        Point normal = Left(Point(1/Norm(Point(b-a)) * (b-a))), centre = 1./3*(t[0]+t[1]+t[2]);
-        edges.push_back({ a, normal, Dot(Point(centre-a), normal) > 0 });
-        piece.AppendCrossings(a, normal, breaks);
-      }
-    std::sort(breaks.begin(), breaks.end());
-    auto inside = [&] (Point p, double margin)
-    {
-      return std::all_of(edges.begin(), edges.end(), [&] (auto & edge)
-      { double d = Dot(Point(p-edge.a), edge.normal); return edge.positive ? d >= margin : -d > margin; });
-    };
-    double s = crack.ArcLength(segment);
-    std::vector<Clip> clips;
-    for (size_t i = 0; i+1 < breaks.size(); i++)
-      if (breaks[i+1] > breaks[i] && inside(piece.Value(0.5*(breaks[i]+breaks[i+1])), 0))
-        {
-          Chord chord { segment, s+piece.ArcLength(breaks[i]), s+piece.ArcLength(breaks[i+1]) };
-          bool starts = breaks[i] == 0 && inside(piece.Value(0), 2*tolerance);
-          bool ends = breaks[i+1] == piece.End() && inside(piece.Value(piece.End()), 2*tolerance);
-          clips.push_back({ false, chord, starts, ends });          // one of two where the crack touches an edge
-        }
-    std::erase_if(clips, [&] (auto & clip) { return clip.chord.s1-clip.chord.s0 <= tolerance; });
-    return clips;
-  }
-
   void CrackLocation :: LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned)
   {
-    auto t = VerticesOf(mesh, element);
-    ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t) };
-    for (size_t i : crack.PiecesNear(BoxAround(t)))
-      for (auto & clip : ClipPiece(element, t, i))
+    ElementMap map(mesh, element);
+    auto & t = map.Corners();
+    ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t), {}, {}, 0, 0, map.IsCurved(), nullptr };
+    std::vector<PiecePtr> straightened;
+    for (size_t i : crack.PiecesNear(BoxAround(map)))
+      for (auto & clip : ClipPiece(element, map, i))
         {
           if (clip.aligned)
             {
@@ -159,15 +83,25 @@ namespace ngsxfem_contact
           location.degeneracy.kink_inside |= (clip.starts_inside && i > 0 && crack.IsKink(i))
             || (clip.ends_inside && i+1 < crack.NumSegments() && crack.IsKink(i+1));
           location.chords.push_back(clip.chord);
+          straightened.push_back(clip.straightened);
         }
     if (location.chords.empty()) return;
-    if (mesh.GetElement(ElementId(VOL, element)).is_curved)
-      throw Exception("CrackedMesh: the crack cuts a curved element " + Place(t)
-                      + "; keep the elements beside the crack straight (curve only the outer boundary, away from the mouths)");
     CheckConnected(location);
+    if (location.curved) Straighten(location, straightened);
     SetPieces(location);
     index[element] = elements.size();
     elements.push_back(std::move(location));
+  }
+
+  void CrackLocation :: Straighten (ElementLocation & location, const std::vector<PiecePtr> & pieces) const
+  {
+    for (size_t i = 1; i < pieces.size(); i++)
+      if (location.chords[i].s0-location.chords[i-1].s1 > tolerance)
+        throw Exception("CrackedMesh: the crack leaves a curved element and comes back " + Place(location.triangle) + "; refine the mesh there, or move the crack");
+    StraightenedCrack straightened { Crack(pieces), {} };
+    for (size_t i = 0; i < pieces.size(); i++)
+      straightened.chords.push_back({ i, straightened.crack.ArcLength(i), straightened.crack.ArcLength(i+1) });
+    location.straightened = std::make_shared<const StraightenedCrack>(std::move(straightened));
   }
 
   /// The crack may leave an element for a moment and come back, if it does not turn much on the way: on either side of it
@@ -188,10 +122,12 @@ namespace ngsxfem_contact
 
   void CrackLocation :: SetPieces (ElementLocation & location) const
   {
-    location.pieces = Divide(Polygon(location.triangle.begin(), location.triangle.end()), location.chords, crack, tolerance);
+    auto & in_triangle = location.CrackInTriangle(crack);
+    auto & chords = location.straightened ? location.straightened->chords : location.chords;
+    location.pieces = Divide(Polygon(location.triangle.begin(), location.triangle.end()), chords, in_triangle, tolerance);
     location.area_plus = location.area_minus = 0;
     for (auto & piece : location.pieces)
-      (piece.side == Side::Plus ? location.area_plus : location.area_minus) += Area(piece, crack);
+      (piece.side == Side::Plus ? location.area_plus : location.area_minus) += Area(piece, in_triangle);
   }
 
   size_t CrackLocation :: AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const
@@ -221,15 +157,15 @@ namespace ngsxfem_contact
         aligned_edges.insert(edge);
         if (!index.count(owner))
           {
-            auto t = VerticesOf(mesh, owner);
-            ElementLocation location { owner, ElementKind::Aligned, {}, t, LongestEdge(t) };
+            ElementMap map(mesh, owner);
+            ElementLocation location { owner, ElementKind::Aligned, {}, map.Corners(), LongestEdge(map.Corners()), {}, {}, 0, 0, map.IsCurved(), nullptr };
             SetPieces(location);
             index[owner] = elements.size();
             elements.push_back(std::move(location));
           }
         auto & location = elements[index[owner]];
         location.degeneracy.along_edge = true;
-        for (size_t i : crack.PiecesNear(BoxAround(location.triangle)))
+        for (size_t i : crack.PiecesNear(BoxAround(ElementMap(mesh, owner))))
           if (auto clip = ClipSegment(location.triangle, i); clip && clip->aligned && AlignedEdge(owner, location.triangle, clip->chord) == edge)
             location.chords.push_back(clip->chord);
         std::sort(location.chords.begin(), location.chords.end(), [] (auto & a, auto & b) { return a.s0 < b.s0; });
@@ -271,7 +207,11 @@ namespace ngsxfem_contact
     for (auto element : beside)
       {
         auto el = mesh.GetElement(ElementId(VOL, element));
-        auto t = VerticesOf(mesh, element);
+        ElementMap map(mesh, element);
+        auto & t = map.Corners();
+        auto in_triangle = map.Inverse(end.point);
+        if (!in_triangle) continue;
+        Point p = *in_triangle;
         for (auto v : el.Vertices())
           if (Norm(Point(mesh.GetPoint<2>(v)-p)) <= 2*tolerance) place(NodeId(ngfem::NT_VERTEX, v));
         for (auto e : el.Edges())
@@ -318,10 +258,11 @@ namespace ngsxfem_contact
           {
             auto v = mesh.GetElement(ElementId(BND, it->second)).Vertices();
             Point a = mesh.GetPoint<2>(v[0]), b = mesh.GetPoint<2>(v[1]);
+            ElementMap map(mesh, location.element);
             for (double s : { location.S0(), location.S1() })
-              if (Point p = crack.PointAt(s); Distance(p, a, b) <= 2*tolerance
-                  && Norm(Point(p-a)) > 2*tolerance && Norm(Point(p-b)) > 2*tolerance)
-                boundary_edges[it->second] = { it->second, a, b, p };
+              if (auto p = map.Inverse(crack.PointAt(s)); p && Distance(*p, a, b) <= 2*tolerance
+                  && Norm(Point(*p-a)) > 2*tolerance && Norm(Point(*p-b)) > 2*tolerance)
+                boundary_edges[it->second] = { it->second, a, b, crack.PointAt(s), Norm(Point(*p-a))/Norm(Point(b-a)) };
           }
   }
 

@@ -1,15 +1,12 @@
 #pragma once
 // Where each element lies with respect to one crack, and the triangles that a crack divides it into.
 
-#include "element_division.hpp"
-#include <comp.hpp>
+#include "element_map.hpp"
 #include <map>
-#include <optional>
 #include <set>
 
 namespace ngsxfem_contact
 {
-  using ngcomp::MeshAccess;
   using std::shared_ptr;
 
   enum class ElementKind
@@ -23,6 +20,11 @@ namespace ngsxfem_contact
   /// The special positions. A position that holds to within geometric_tolerance counts as exact.
   struct Degeneracy { bool through_vertex = false, along_edge = false, tip_on_edge = false, tip_on_vertex = false, kink_inside = false; };
 
+  /// The part of Γ_C in a curved element, in the coordinates of its straight triangle (ElementMap), as a crack of its own.
+  struct StraightenedCrack { Crack crack; std::vector<Chord> chords; };
+
+  /// Of a curved element all but the chords refers to its straight triangle: the areas, and the pieces, whose curved sides are parts of
+  /// the straightened crack.
   struct ElementLocation
   {
     size_t element;
@@ -33,13 +35,18 @@ namespace ngsxfem_contact
     std::vector<Chord> chords;      // in the order of arc length; the crack may leave T for a moment between two of them
     std::vector<Piece> pieces;
     double area_plus, area_minus;
+    bool curved;
+    shared_ptr<const StraightenedCrack> straightened;       // where the crack crosses or ends in a curved element
+    /// The crack that the pieces refer to.
+    const Crack & CrackInTriangle (const Crack & crack) const { return straightened ? straightened->crack : crack; }
     Side Larger () const { return LargerSide(area_plus, area_minus); }
     double S0 () const { return chords.front().s0; }
     double S1 () const { return chords.back().s1; }
   };
 
   /// An edge of the boundary or of an inner interface that Γ_C crosses, at its mouth or elsewhere.
-  struct CutBoundaryEdge { size_t element; Point a, b, crossing; };
+  /// along: from a (0) to b (1), in the coordinates of the straight edge.
+  struct CutBoundaryEdge { size_t element; Point a, b, crossing; double along; };
 
   enum class EndKind { Tip, Mouth };
 
@@ -62,8 +69,8 @@ namespace ngsxfem_contact
     std::vector<Interval> intervals;
 
   public:
-    /// Throws for a mesh that is not plane and straight triangles beside the crack, a crack that leaves the body or
-    /// lies outside of it, runs along its boundary, or passes twice through one element (but it may leave it for a moment).
+    /// Throws for a crack that leaves the body or lies outside of it, runs along its boundary, or passes twice through one element (but it
+    /// may leave a straight one for a moment).
     CrackLocation (const MeshAccess & amesh, const Crack & acrack);
 
     const std::vector<ElementLocation> & Elements() const { return elements; }
@@ -77,10 +84,14 @@ namespace ngsxfem_contact
     double Tolerance() const { return tolerance; }
 
   private:
-    struct Clip { bool aligned; Chord chord; bool starts_inside, ends_inside; };
-    std::vector<Clip> ClipPiece (size_t element, const Triangle & t, size_t segment) const;
+    struct Clip { bool aligned; Chord chord; bool starts_inside, ends_inside; PiecePtr straightened; };
+    struct Inside { double t0, t1; bool starts, ends; };
+    std::vector<Clip> ClipPiece (size_t element, const ElementMap & map, size_t segment) const;
     std::optional<Clip> ClipSegment (const Triangle & t, size_t segment) const;
+    std::vector<Inside> PartsInside (const CurvePiece & piece, size_t element, const Triangle & t) const;
     std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t segment) const;
+    std::vector<Clip> ClipInCurved (size_t element, const ElementMap & map, size_t segment) const;
+    void Straighten (ElementLocation & location, const std::vector<PiecePtr> & pieces) const;
     std::vector<size_t> ElementsBeside () const;
     void LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned);
     void SetPieces (ElementLocation & location) const;
@@ -95,5 +106,8 @@ namespace ngsxfem_contact
     void MarkDegenerate (ElementLocation & location) const;
   };
 
-  Triangle VerticesOf (const MeshAccess & mesh, size_t element);
+  /// Throws for a mesh that is not plane or has other elements than triangles.
+  void CheckTriangles (const MeshAccess & mesh);
+  /// Whether a boundary element of the mesh lies between two elements.
+  bool IsInterface (const MeshAccess & mesh, size_t bnd_element);
 }

@@ -357,6 +357,12 @@ class ElementLocation:
         """
 
     @property
+    def curved(self) -> bool:
+        """
+        Whether the element is curved. Its triangle, pieces and areas are then those of its straight triangle.
+        """
+
+    @property
     def degeneracy(self) -> Degeneracy:
         """
         The special positions that hold.
@@ -519,11 +525,13 @@ class CrackedMesh:
     """
     A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
 
-    mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined, curved or moved (SetDeformation) afterwards:
+    mesh: of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards:
     all that is built on the body is refused then; build a new CrackedMesh. What is built on a body does not change it.
+    An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:
+    `notes` and the report of a solve say so.
     Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the
     larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds("left|right").
-    Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet
+    Raises an Exception for a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that meet
     each other, or an element without a strip between them (3 % of its size).
     """
 
@@ -542,9 +550,20 @@ class CrackedMesh:
         Numbers of the cracks that meet an element.
         """
 
+    def CrackInTriangle(self, element: int, crack: int) -> Crack:
+        """
+        The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle.
+        Raises an Exception if the crack does not meet the element.
+        """
+
     def CutBoundaryElements(self, crack: int) -> list[int]:
         """
         Numbers of the boundary elements that a crack cuts.
+        """
+
+    def CutBoundaryPoints(self, crack: int) -> list[tuple[int, tuple[float, float]]]:
+        """
+        The same with the points (x, y) at which it cuts them: a list of (number, point).
         """
 
     def Elements(self, crack: int) -> list[ElementLocation]:
@@ -582,7 +601,7 @@ class CrackedMesh:
     @property
     def cracks(self) -> list[Crack]:
         """
-        The Cracks, in the order in which they were given.
+        The Cracks, in the order in which they were given, with their ends fitted to the body.
         """
 
     @property
@@ -619,6 +638,12 @@ class CrackedMesh:
     def mesh(self) -> ngsolve.comp.Mesh:
         """
         The mesh of NGSolve.
+        """
+
+    @property
+    def notes(self) -> list[str]:
+        """
+        Sentences on the ends that were cut off or moved, none where all is as given.
         """
 
     @property

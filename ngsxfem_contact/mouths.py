@@ -5,6 +5,7 @@ from ngsolve import BND, BilinearForm, CoefficientFunction, GridFunction, IfPos,
 
 from .spaces import to_scipy
 
+PROJECTION_BONUS = 4  # of the rules' order, one for both sides of the projection: on curved edges no order is exact
 SHORT = 1e-4  # of an edge: on a shorter part only the functions of the vertex in it are given
 
 
@@ -18,7 +19,7 @@ def mouth_weight(body, power=3):
     edges = mesh.ngmesh.Coordinates()[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)], :2]
     weight = CoefficientFunction(1)
     for number, end in mouths(body, edges):
-        a, b = sorted(edges[number], key=lambda corner: np.hypot(*(corner - end)))
+        a, b = sorted(edges[number], key=lambda corner: np.hypot(*(corner - end)))  # of a curved edge the corners
         short, length = np.hypot(*(a - end)), np.hypot(*(b - a))
         extra = GridFunction(SurfaceL2(mesh, order=0))
         extra.vec[number] = (0.5 / max(short / length, SHORT if power == 3 else 0)) ** power - 1
@@ -29,7 +30,7 @@ def mouth_weight(body, power=3):
 def boundary_mass(V, region, weight):
     """∫ weight u·v over a boundary region, scipy CSR."""
     u, v = V.TnT()
-    return to_scipy(BilinearForm(weight * u * v * V.body.ds(region)).Assemble().mat)
+    return to_scipy(BilinearForm(weight * u * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS)).Assemble().mat)
 
 
 def short_traces(V, region):
@@ -44,8 +45,7 @@ def short_traces(V, region):
 def mouths(body, edges):
     """(number, point) of the boundary edges (n, 2, 2) that a crack cuts at one of its ends: those that the space takes for cut."""
     for i, crack in enumerate(body.cracks):
-        for number in body.CutBoundaryElements(i):
+        for number, point in body.CutBoundaryPoints(i):
             a, b = edges[number]
-            for end in map(np.asarray, (crack.points[0], crack.points[-1])):
-                if np.hypot(*(end - a)) + np.hypot(*(end - b)) < (1 + 1e-12) * np.hypot(*(b - a)):
-                    yield number, end
+            if min(np.hypot(*np.subtract(point, end)) for end in (crack.points[0], crack.points[-1])) < 1e-9 * np.hypot(*(b - a)):
+                yield number, np.asarray(point)

@@ -17,7 +17,7 @@ class Report:
     coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of descent after a cycle.
     converged: whether residual and complementarity are small; None until they are measured.
     residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
-    when u is recovered and NaN before (LoadSteps).    timings: seconds.
+    when u is recovered and NaN before (LoadSteps).    timings: seconds.    notes: of the body, on ends of cracks that it moved.
 
     With friction, tangential: states of the nodes in each iteration, codes of `nodal_newton`; method: in words;
     threshold_changes: relative, of each step of a fixed point on the threshold; uniqueness: below 1 it proves that the law has
@@ -38,6 +38,7 @@ class Report:
     method: str = "active set"
     threshold_changes: list = field(default_factory=list)
     uniqueness: float | None = None
+    notes: list = field(default_factory=list)
 
     def Counts(self):
         """Nodes in contact and, with friction, nodes that stick and slip either way, at the end."""
@@ -71,6 +72,7 @@ class Report:
                 f"residual         {measured(self.residual)}",
                 f"complementarity  {measured(self.complementarity)}",
                 f"seconds          {sum(self.timings.values()):.3f}: {times}",
+                *(f"note             {note}" for note in self.notes),
             ]
         )
 

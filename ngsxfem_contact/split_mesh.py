@@ -31,12 +31,15 @@ class SplitMesh:
         points, triangles, parent = conforming_triangles(body, tolerance)
         carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))]).T
         for _ in range(subdivision):
-            edge, _, crack_of, _ = crack_edges(body.cracks, points, triangles, carried[parent[:, 0]], tolerance)
-            middles = on_curves(body.cracks, crack_of, points[triangles.ravel()[[edge, next_corner(edge)]]])
+            places = self._Places(points, triangles, parent[:, 0])
+            edge, _, crack_of, _ = crack_edges(body.cracks, places, triangles, carried[parent[:, 0]], tolerance)
+            ends = triangles.ravel()[[edge, next_corner(edge)]]
+            middles = on_curves(body, crack_of, points[ends], places[ends])
             points, triangles = divide_in_four(points, triangles, edge, middles)
             parent = np.tile(parent, (4, 1))
         self.element, self.side = parent.T.copy()
-        self._Double(points, triangles, *crack_edges(body.cracks, points, triangles, carried[self.element], tolerance))
+        places = self._Places(points, triangles, self.element)
+        self._Double(points, triangles, *crack_edges(body.cracks, places, triangles, carried[self.element], tolerance))
         self.reference = reference_coordinates(body.mesh, self.points[self.triangles], self.element)
         if body.mesh.GetCurveOrder() > 1:
             self.points = self.Evaluate(*[CF((x, y))] * 3)
@@ -57,6 +60,14 @@ class SplitMesh:
             self.point_side[np.unique(self.lips[edge_side == side])] += side
         touching = np.sign(self.point_side[self.triangles].sum(axis=1))
         self.side = np.where(self.side == 0, touching, self.side)
+
+    def _Places(self, points, triangles, element):
+        """Where points (N,2), given in the straight triangles of the elements (M,), lie in the body."""
+        if self.body.mesh.GetCurveOrder() == 1:
+            return points
+        reference, places = reference_coordinates(self.body.mesh, points[triangles], element), points.copy()
+        places[triangles.ravel()] = self._At(CF((x, y)), np.repeat(element, 3), reference.reshape(-1, 2))
+        return places
 
     def _At(self, cf, elements, reference):
         """Values (n, dim) at reference coordinates (n,2) in elements (n,)."""
@@ -99,14 +110,14 @@ class SplitMesh:
 
 
 def conforming_triangles(body, tolerance):
-    """Points, triangles and rows (element, side) with no point inside an edge; no point is doubled yet."""
+    """Points, triangles and rows (element, side) with no point inside an edge; no point is doubled yet. Curved elements are straight here."""
     vertices, elements = mesh_arrays(body.mesh)
     cut = mask(body.CrackElements(None))
     uncut = np.flatnonzero(~cut)
     parts = [(int(element), part) for element in np.flatnonzero(cut) for part in body.Parts(int(element))]
-    pieces = [(t, element, int(part.piece.side)) for element, part in parts for t in flat(part.piece, body.cracks[part.crack])]
+    pieces = [(t, element, int(part.piece.side)) for element, part in parts for t in flat(part.piece, body.CrackInTriangle(element, part.crack))]
     corners = np.array([triangle for triangle, _, _ in pieces]).reshape(-1, 2)
-    bends = np.array([crack.PointAt(s) for crack in body.cracks for s in (0, *crack.kinks, crack.length)]).reshape(-1, 2)
+    bends = np.concatenate([in_triangles(body, c, [0, *crack.kinks, crack.length]) for c, crack in enumerate(body.cracks)])
     points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)
     new = number[len(vertices) :]
     triangles = np.concatenate([number[elements[uncut]], new[: len(corners)].reshape(-1, 3)])
@@ -128,6 +139,14 @@ def flat(piece, crack):
     turn = max(abs(crack.CurvatureAt(s)) for s in np.linspace(s0, s1, 5)) * (s1 - s0)
     side = [crack.PointAt(s) for s in np.linspace(s0, s1, 1 + int(np.ceil(1e-3 + turn / 0.05)))]
     return [(piece.triangle[0], a, b) for a, b in zip(side, side[1:])]
+
+
+def in_triangles(body, crack, arclengths):
+    """Points (n,2) of a crack, in the straight triangles of the elements that carry them."""
+    element, xi, eta = (np.array(values) for values in body.OnCrack(crack, list(arclengths)))
+    vertices, elements = mesh_arrays(body.mesh)
+    v0, v1, v2 = (vertices[elements[element, k]] for k in range(3))
+    return v2 + xi[:, None] * (v0 - v2) + eta[:, None] * (v1 - v2)
 
 
 def mesh_arrays(mesh):
@@ -185,12 +204,14 @@ def hanging_points(points, triangles, candidates, tolerance):
     return point, corner
 
 
-def on_curves(cracks, crack_of, ends):
-    """For edges with ends (2,L,2) on cracks (L,) the points (L,2) of the cracks half-way between."""
+def on_curves(body, crack_of, ends, places):
+    """For edges on cracks (L,) with ends (2,L,2), in straight triangles, at places (2,L,2) the points (L,2) of the cracks half-way between."""
     middles = ends.mean(axis=0)
-    for i, c in enumerate(crack_of):
-        if any(kind != "segment" for kind, _ in cracks[c].pieces):
-            middles[i] = cracks[c].PointAt(np.mean([cracks[c].ArcLength(tuple(end)) for end in ends[:, i]]))
+    for c, crack in enumerate(body.cracks):
+        if body.mesh.GetCurveOrder() > 1 or any(kind != "segment" for kind, _ in crack.pieces):
+            on = np.flatnonzero(crack_of == c)
+            arclengths = [np.mean([crack.ArcLength(tuple(end)) for end in places[:, i]]) for i in on]
+            middles[on] = in_triangles(body, c, arclengths)
     return middles
 
 

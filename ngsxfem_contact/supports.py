@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 
 from .arguments import check_function, check_type
 from .boundary_samples import BoundarySamples
-from .mouths import boundary_mass, mouth_weight, short_traces
+from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
 from .reactions import Holder, corner_edge
 from .spaces import check_regions, crack_points
 
@@ -240,7 +240,7 @@ def projected_trace(V, value, region):
     mass = boundary_mass(V, region, weight)
     zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
     v = V.TestFunction()
-    load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * V.body.ds(region, bonus_intorder=4)).Assemble().vec.FV().NumPy()
+    load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS)).Assemble().vec.FV().NumPy()
     if not np.isfinite(load).all():
         raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
     diagonal = mass.diagonal()

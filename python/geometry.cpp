@@ -98,6 +98,7 @@ static void ExportLocation (py::module & m)
     .def_readonly("kind", &ElementLocation::kind, "Its ElementKind: Cut, Tip or Aligned.")
     .def_readonly("degeneracy", &ElementLocation::degeneracy, "The special positions that hold.")
     .def_readonly("h", &ElementLocation::h, "The longest edge h_T, in the user's unit of length.")
+    .def_readonly("curved", &ElementLocation::curved, "Whether the element is curved. Its triangle, pieces and areas are then those of its straight triangle.")
     .def_readonly("pieces", &ElementLocation::pieces, "The Pieces into which the crack divides it; one for an aligned element.")
     .def_readonly("area_plus", &ElementLocation::area_plus, "The area of its part on the plus side.")
     .def_readonly("area_minus", &ElementLocation::area_minus, "The area of its part on the minus side.")
@@ -143,11 +144,11 @@ static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<
     {
       ArcLengthOn(crack, s);
       auto & location = body.Location(c).At(s);
-      auto & t = location.triangle;
-      Point a = t[0]-t[2], b = t[1]-t[2], d = crack.PointAt(s)-t[2];
+      ElementMap map(*body.GetMesh(), location.element);
+      Point reference = map.Reference(map.Inverse(crack.PointAt(s)).value());
       elements.push_back(location.element);
-      xi.push_back(Cross(d, b)/Cross(a, b));
-      eta.push_back(Cross(a, d)/Cross(a, b));
+      xi.push_back(reference(0));
+      eta.push_back(reference(1));
     }
   return py::make_tuple(elements, xi, eta);
 }
@@ -180,11 +181,13 @@ static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
       "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n\n"
-      "mesh: of NGSolve, plane, triangles, straight beside the cracks. It must not be refined, curved or moved (SetDeformation) afterwards:\n"
+      "mesh: of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards:\n"
       "all that is built on the body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n"
+      "An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:\n"
+      "`notes` and the report of a solve say so.\n"
       "Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the\n"
       "larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds(\"left|right\").\n"
-      "Raises an Exception for a crack that leaves the body or runs along its boundary, or passes twice through one element, and for cracks that meet\n"
+      "Raises an Exception for a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that meet\n"
       "each other, or an element without a strip between them (3 % of its size).")
     .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
                   {
@@ -193,8 +196,9 @@ static void ExportCrackedMesh (py::module & m)
                     return MakeCrackedMesh(mesh, all);
                   }), py::arg("mesh"))
     .def_property_readonly("mesh", &CrackedMesh::GetMesh, "The mesh of NGSolve.")
-    .def_property_readonly("cracks", &CracksOf, "The Cracks, in the order in which they were given.")
+    .def_property_readonly("cracks", &CracksOf, "The Cracks, in the order in which they were given, with their ends fitted to the body.")
     .def_property_readonly("tips", &CrackedMesh::Tips, "The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.")
+    .def_property_readonly("notes", &CrackedMesh::Notes, "Sentences on the ends that were cut off or moved, none where all is as given.")
     .def("CheckMesh", &CrackedMesh::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.")
     .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"), "The two CrackEnds of a crack, its start first.")
     .def("Elements", [] (const CrackedMesh & b, size_t c) { b.CheckMesh(); return b.Location(c).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
@@ -216,6 +220,21 @@ static void ExportCrackedMesh (py::module & m)
            for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) elements.push_back(nr);
            return elements;
          }, py::arg("crack"), "Numbers of the boundary elements that a crack cuts.")
+    .def("CutBoundaryPoints", [] (const CrackedMesh & b, size_t c)
+         {
+           std::vector<std::pair<size_t, Pair>> points;
+           for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) points.push_back({ nr, ToPair(edge.crossing) });
+           return points;
+         }, py::arg("crack"), "The same with the points (x, y) at which it cuts them: a list of (number, point).")
+    .def("CrackInTriangle", [] (const CrackedMesh & b, size_t element, size_t c)
+         {
+           auto cut = b.Find(element);
+           auto here = cut ? cut->Find(c) : nullptr;
+           if (!here) throw ngcore::Exception("CrackedMesh: crack " + std::to_string(c) + " does not meet element " + std::to_string(element));
+           return here->location->CrackInTriangle(b.GetCrack(c));
+         }, py::arg("element"), py::arg("crack"),
+         "The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle.\n"
+         "Raises an Exception if the crack does not meet the element.")
     .def("CrackElements", &CrackedMesh::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
     .def("MeshNodes", &MeshNodes, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
     .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.")

@@ -38,7 +38,7 @@ def test_a_body_of_three_dimensions():
 @pytest.mark.parametrize("cracks, reason", [
     ([[(0, 0.3), (1, 0.7)], [(0.2, 0.6), (0.3, 0.2)]], r"cracks 0 and 1 meet near \(0.25, 0.4\)"),
     ([[(0.2, 0), (0.7, 0)]], "along the boundary"),
-    ([[(0, 0.5), (1.2, 0.5)]], "outside the body"),
+    ([[(1.1, 0.5), (1.2, 0.5)]], "outside the body"),
     ([[(0, 0.4), (0.31, 0.45)], [(0.2, 0.44), (0.25, 0.448)]], "cracks 0 and 1 meet the same element"),
 ])  # fmt: skip
 def test_cracks_that_a_mesh_cannot_carry(cracks, reason):

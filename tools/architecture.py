@@ -13,7 +13,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 GROUPS = {
-    "geometry": "box_tree curve_piece crack tip_curve element_division element_location cut_rule curved_rule cut_element cracked_mesh body_rules crack_normal geometry",
+    "geometry": "box_tree curve_piece crack tip_curve element_division interpolant element_map element_location element_clips body_boundary crack_ends cut_rule curved_rule cut_element cracked_mesh body_rules crack_normal geometry",
     "spaces": "tip_functions crack_element diffops crack_fespace crack_enrichment crack_bilinearform trace_space spaces tip_disk interpolation",
     "forms": "cut_integral operators elasticity mouths boundary_samples load",
     "methods": "bordered_matrix schur_complement elimination pardiso active_set box_path nodal_newton cones friction stabilisation nitsche checks conditioning connectivity negligible",
