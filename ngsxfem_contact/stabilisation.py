@@ -18,12 +18,12 @@ from .operators import NORMAL, Strain
 
 
 class Stabilisation:
-    """What a stabilisation need not say: any object with `sides`, Gamma and IsSafe is one, and has these unless it has its own; see `trait`.
+    """What a stabilisation need not say: any object with `sides`, Gamma and IsSafe is one, and has these unless it has its own; see `trait`."""
 
-    needs_eigenvalue: whether the factorised matrix may be positive although γ is too large; False where it is K - K_γ.
-    """
-
-    needs_eigenvalue = False
+    @property
+    def needs_eigenvalue(self):
+        """Whether the factorised matrix may be positive although γ is too large: False where it is K - K_γ."""
+        return False
 
     def Remedy(self, smallest):
         """What to do about the smallest eigenvalue of K - K_γ against K, which is not positive."""
