@@ -203,13 +203,17 @@ class FixedPoint:
             new = threshold.At(result.p[:m], start.contact)
             changes.append(float(np.abs(new - s).max() / max(np.abs(new).max(), np.finfo(float).tiny)))
             s = new
-            if changes[-1] <= self.tolerance:
+            if self._settled(changes):
                 return self._finished(Q, q, threshold, r, NodalResult(result.p, history, fallback, threshold_changes=changes))
         raise NotConverged(
             f"the fixed point on the threshold still changed it, relatively by {' '.join(f'{change:.1e}' for change in changes[-3:])} in the last of "
             f"{len(changes)} steps: if that does not contract, the friction law may have no or several solutions for this friction coefficient "
             "and mesh; if it does, allow more by FixedPoint(max_iterations=...)"
         )
+
+    def _settled(self, changes, round_off=1e-9):
+        """Whether the last change is within the tolerance, or small and no longer falling: the round-off of an ill-conditioned Q is all that is left."""
+        return changes[-1] <= self.tolerance or (len(changes) > 5 and round_off > changes[-1] > 0.5 * changes[-6])
 
     def _finished(self, Q, q, threshold, r, result):
         """With one Newton step from the states found, if it confirms them: p then satisfies the law to round-off."""

@@ -22,7 +22,7 @@ class Stabilisation:
 
     @property
     def needs_eigenvalue(self):
-        """Whether the factorised matrix may be positive although γ is too large; False where it is K - K_γ."""
+        """Whether the factorised matrix may be positive although γ is too large: False where it is K - K_γ."""
         return False
 
     def Remedy(self, smallest):

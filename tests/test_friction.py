@@ -145,6 +145,19 @@ def test_a_cycle_is_left_by_the_safeguard():
     assert result.p == pytest.approx([0, -5 / 14, 0, 0, 0, 0])
 
 
+def test_a_fixed_point_ends_where_only_round_off_is_left():
+    """With a condition of 1e12 the thresholds repeat to 1e-12 by chance only; the law itself is met by the last Newton step."""
+    rng, m = np.random.default_rng(5), 6
+    law = coulomb_law(rng, m, 0.3)
+    for _ in range(10):
+        basis = np.linalg.qr(rng.standard_normal((2 * m, 2 * m)))[0]
+        Q = basis * 10.0 ** rng.uniform(-12, 0, 2 * m) @ basis.T
+        q = Q @ rng.uniform(0, 1, 2 * m)
+        p = solved(FixedPoint(max_iterations=500), Q, q, law).p
+        pressure, force = np.abs(p).max(), np.abs(q).max()
+        assert violation(p / pressure, (Q @ p + q) / force, law.Scaled(pressure)) < 1e-9
+
+
 @pytest.mark.parametrize("method", [FullNewton(), FixedPoint()])
 @pytest.mark.parametrize("m", [1, 2, 3])
 def test_coulomb_finds_a_solution_of_enumeration_or_says_so(method, m):
