@@ -15,7 +15,7 @@ from ngsxfem_contact.shapes import SHAPES, body_mesh, deviations, shape_problem
 
 geometry = SplineGeometry()
 geometry.AddRectangle((0, -0.5), (1, 0.5), bcs=["bottom", "right", "top", "left"])
-mesh = Mesh(geometry.GenerateMesh(maxh=0.05))
+mesh = Mesh(geometry.GenerateMesh(maxh=0.04))
 
 # %% [markdown]
 # ## Shapes
