@@ -65,7 +65,7 @@ body = CrackedMesh(mesh, *cracks.values())
 for tip in body.tips:
     print(tip)
 material = Elasticity(lam=1, mu=1)
-V = CrackFESpace(body, order=2, tip=TipEnrichment(r1=0.08, material=material))
+V = CrackFESpace(body, order=2, tip=TipEnrichment(r1=0.09, material=material))
 W = TraceSpace(body, order=1)
 plot_mesh(V)
 plt.show()
