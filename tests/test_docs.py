@@ -149,7 +149,7 @@ def test_the_guide_runs(capsys):
             assert own["problem"].Solve().report.converged
         else:
             exec(block, names)
-    assert names["solution"].report.converged and names["growth"].table["state"][0] == "grew" and len(names["solutions"]) == 21
+    assert names["solution"].report.converged and names["growth"].table["state"][0] == "grows" and len(names["solutions"]) == 21
 
 
 def test_the_picture_of_the_structure_is_that_of_the_sources():

@@ -15,7 +15,7 @@ from ngsxfem_contact.shapes import SHAPES, body_mesh, deviations, shape_problem
 
 geometry = SplineGeometry()
 geometry.AddRectangle((0, -0.5), (1, 0.5), bcs=["bottom", "right", "top", "left"])
-mesh = Mesh(geometry.GenerateMesh(maxh=0.05))
+mesh = Mesh(geometry.GenerateMesh(maxh=0.04))
 
 # %% [markdown]
 # ## Shapes
@@ -65,7 +65,7 @@ body = CrackedMesh(mesh, *cracks.values())
 for tip in body.tips:
     print(tip)
 material = Elasticity(lam=1, mu=1)
-V = CrackFESpace(body, order=2, tip=TipEnrichment(r1=0.08, material=material))
+V = CrackFESpace(body, order=2, tip=TipEnrichment(r1=0.09, material=material))
 W = TraceSpace(body, order=1)
 plot_mesh(V)
 plt.show()

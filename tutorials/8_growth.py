@@ -142,9 +142,9 @@ def loaded(stress):
 
 
 runs = {
-    "tension": CrackGrowth(loaded(1), start, GivenIncrement(0.1)),
-    "compression": CrackGrowth(loaded(-1), start, GivenIncrement(0.1)),
-    "compression, wings": CrackGrowth(loaded(-1), start, GivenIncrement(0.1), WingCracks()),
+    "tension": CrackGrowth(loaded(1), start, GivenIncrement(0.12)),
+    "compression": CrackGrowth(loaded(-1), start, GivenIncrement(0.12)),
+    "compression, wings": CrackGrowth(loaded(-1), start, GivenIncrement(0.12), WingCracks()),
 }
 for name, run in runs.items():
     run.Run(3)
