@@ -5,19 +5,18 @@ takes the place of div u: its L² projection onto polynomials in each part of ea
 singular part s of the divergence of the tips' modes is left as it is. a(u, v) = ∫ 2μ ε(u):ε(v) + λ_L D u D v.
 """
 
-import warnings
 from dataclasses import dataclass
 
 from ngsolve import VOL, ElementId, Id, InnerProduct, Trace
 
 from . import _ngsxfem_contact as core
 from .elasticity import Isotropic
-from .errors import AccuracyWarning
 from .operators import Strain
+from .resolution import warn
 
-LOCKING = "order=1 locks: displacements, K and the pressure may be wrong by tens of percent; take CrackFESpace(..., order=2, bubble=True)"
-NO_BUBBLE = "without bubbles the stresses of order={order} are those of one order less; take CrackFESpace(..., order={order}, bubble=True)"
-BRANCH = "the functions (8) at a tip have no singular pressure; take the modes, tip=TipEnrichment(material=...)"
+LOCKING = "order=1 locks: displacements, K and the pressure may be wrong by tens of percent; take CrackFESpace(..., order=2, material=...)"
+NO_BUBBLE = "without bubbles the stresses of order={order} are those of one order less; take CrackFESpace(..., order={order}, material=...), which adds them"
+BRANCH = "the functions (8) at a tip have no singular pressure; take the modes, CrackFESpace(..., material=...)"
 AT_POINTS = "Nitsche's law at points is hardly stabilised, and the pressure may oscillate; take BarbosaHughes()"
 
 
@@ -71,7 +70,7 @@ def warn_of_locking(V, material, stabilisation):
         return
     nu = max(region.nu for region in getattr(material, "regions", [material]) if region.nearly_incompressible)
     for doubt in doubts(V, stabilisation):
-        warnings.warn(f"ContactProblem: the material is nearly incompressible (nu = {nu:.6g} in plane strain), and {doubt}", AccuracyWarning, stacklevel=4)
+        warn(f"ContactProblem: the material is nearly incompressible (nu = {nu:.6g} in plane strain), and {doubt}")
 
 
 def doubts(V, stabilisation):

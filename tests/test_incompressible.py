@@ -15,7 +15,6 @@ from ngsxfem_contact import (
     CrackFESpace,
     Elasticity,
     Nitsche,
-    TipEnrichment,
     TraceSpace,
 )
 from ngsxfem_contact.incompressible import stress
@@ -29,14 +28,14 @@ RUBBER = Elasticity.PlaneStrain(E=1, nu=0.4999)
 
 
 def space(material=RUBBER, crack=CRACK, mesh=MESH, **options):
-    return CrackFESpace(CrackedMesh(mesh, Crack(crack)), order=options.pop("order", 2), tip=TipEnrichment(material=material), **options)
+    return CrackFESpace(CrackedMesh(mesh, Crack(crack)), **({"order": 2, "material": material} | options))
 
 
 def problem(nu, traction, **options):
     """A square with an inclined crack under tractions on its top and bottom."""
     material = Elasticity.PlaneStrain(E=1, nu=nu)
     V = space(material, bubble=True)
-    P, v = ContactProblem(V, TraceSpace(V.body), material, **options), V.TestFunction()
+    P, v = ContactProblem(V, TraceSpace(V.body), **options), V.TestFunction()
     P.Pin((-1, -1), "xy"), P.Pin((1, -1), "y")
     P.f += CF(traction) * v * V.body.ds("top") - CF(traction) * v * V.body.ds("bottom")
     return P
@@ -88,7 +87,7 @@ def test_closed_cracks_under_balanced_tractions_have_the_pressure_of_any_nu():
 def test_uniform_stress_is_exact_at_a_closed_crack(friction):
     """σ = -I under u = -c (x, y), given on the boundary: div u is as small as 1/λ_L."""
     V = space(dirichlet="left|right|bottom|top")
-    P = ContactProblem(V, TraceSpace(V.body), RUBBER, friction=friction)
+    P = ContactProblem(V, TraceSpace(V.body), friction=friction)
     P.SetDirichlet(-1 / (2 * (RUBBER.lam + RUBBER.mu)) * CF((x, y)), "left|right|bottom|top")
     solution = P.Solve()
     assert solution.Profile(n=51).sigma_n == pytest.approx(-1, abs=1e-8)
@@ -98,7 +97,7 @@ def test_uniform_stress_is_exact_at_a_closed_crack(friction):
 def test_a_given_stress_is_compared_with_the_multiplier():
     """A closed crack in a body that is held everywhere and has σ⁰ = -I: u = 0, λ = -1."""
     V = space(dirichlet="left|right|bottom|top")
-    solution = ContactProblem(V, TraceSpace(V.body), RUBBER, initial_stress=CF((-1, 0, 0, -1), dims=(2, 2))).Solve()
+    solution = ContactProblem(V, TraceSpace(V.body), initial_stress=CF((-1, 0, 0, -1), dims=(2, 2))).Solve()
     assert solution.Profile(n=51).sigma_n == pytest.approx(-1, abs=1e-8)
 
 
@@ -133,14 +132,14 @@ def test_the_rows_of_nitsche_are_the_projected_traction():
 
 def test_spaces_that_lock_or_lose_an_order_are_named():
     V = space(order=1)
-    with pytest.warns(AccuracyWarning, match=r"nu = 0.4999 .*order=1 locks.*order=2, bubble=True"):
+    with pytest.warns(AccuracyWarning, match=r"nu = 0.4999 .*order=1 locks.*order=2, material="):
         ContactProblem(V, TraceSpace(V.body), RUBBER)
     V = space(bubble=False)
-    with pytest.warns(AccuracyWarning, match=r"without bubbles.*order=2, bubble=True"):
+    with pytest.warns(AccuracyWarning, match=r"without bubbles.*order=2, material="):
         ContactProblem(V, TraceSpace(V.body), RUBBER)
 
 
-def test_the_bubbles_come_with_the_material_of_the_tips():
+def test_the_bubbles_come_with_the_material():
     assert space().ndof == space(bubble=True).ndof > space(bubble=False).ndof
     ordinary = Elasticity.PlaneStrain(E=1, nu=0.45 - 1e-9)
     assert space(ordinary).ndof == space(ordinary, bubble=False).ndof
