@@ -18,6 +18,8 @@ LOCKING = "order=1 locks: displacements, K and the pressure may be wrong by tens
 NO_BUBBLE = "without bubbles the stresses of order={order} are those of one order less; take CrackFESpace(..., order={order}, material=...), which adds them"
 BRANCH = "the functions (8) at a tip have no singular pressure; take the modes, CrackFESpace(..., material=...)"
 AT_POINTS = "Nitsche's law at points is hardly stabilised, and the pressure may oscillate; take BarbosaHughes()"
+ROUND_OFF = "round-off may spoil the answer, or Solve refuse it; take nu <= 0.49999, which changes stresses that tractions determine by 2e-5 of themselves"
+MOST = 1e5  # λ_L/μ_L: above it round-off counts
 
 
 @dataclass(frozen=True)
@@ -68,9 +70,9 @@ def warn_of_locking(V, material, stabilisation):
     """Says by an AccuracyWarning what does not go with a nearly incompressible material."""
     if not material.nearly_incompressible:
         return
-    nu = max(region.nu for region in getattr(material, "regions", [material]) if region.nearly_incompressible)
-    for doubt in doubts(V, stabilisation):
-        warn(f"ContactProblem: the material is nearly incompressible (nu = {nu:.6g} in plane strain), and {doubt}")
+    region = max(getattr(material, "regions", [material]), key=lambda region: region.lam / region.mu)
+    for doubt in [*doubts(V, stabilisation), *([ROUND_OFF] if region.lam > MOST * region.mu else [])]:
+        warn(f"ContactProblem: the material is nearly incompressible (nu = {region.nu:.7g} in plane strain), and {doubt}")
 
 
 def doubts(V, stabilisation):

@@ -22,6 +22,8 @@ from ngsxfem_contact.interpolation import Interpolant
 from ngsxfem_contact.nitsche import CrackPoints, component_rows
 from ngsxfem_contact.operators import NORMAL
 
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
+
 MESH = rectangle(0.2, (-1, -1), (1, 1))
 CRACK = [(-0.4, -0.1), (0.4, 0.15)]
 RUBBER = Elasticity.PlaneStrain(E=1, nu=0.4999)
@@ -137,6 +139,12 @@ def test_spaces_that_lock_or_lose_an_order_are_named():
     V = space(bubble=False)
     with pytest.warns(AccuracyWarning, match=r"without bubbles.*order=2, material="):
         ContactProblem(V, TraceSpace(V.body), RUBBER)
+
+
+def test_what_round_off_spoils_is_named():
+    V = space(Elasticity.PlaneStrain(E=1, nu=0.499999))
+    with pytest.warns(AccuracyWarning, match=r"nu = 0.499999 .*round-off.*0.49999"):
+        ContactProblem(V, TraceSpace(V.body))
 
 
 def test_the_bubbles_come_with_the_material():
