@@ -93,10 +93,27 @@ namespace ngsxfem_contact
     double HeavisideFactor (const HeavisideFunction & function, Trace trace, SidedPoint & x) const
     {
       if (function.side) return trace == Trace::Jump ? 0 : function.Value(function.side);
-      bool elsewhere = IsShared() && cut->CrackAt(body.Cracks(), x.Place()).crack != function.crack;
-      if (trace == Trace::Jump) return elsewhere ? 0 : function.Value(1) - function.Value(-1);
-      bool by_position = trace == Trace::Position || elsewhere;
-      return function.Value(by_position ? x.SideOf(function.crack) : ForcedSide(trace, function.crack));
+      if (trace == Trace::Jump) return IsElsewhere(function.crack, x.Place()) ? 0 : function.Value(1) - function.Value(-1);
+      return function.Value(SideAt(function.crack, trace, x));
+    }
+
+    /// The side of x with respect to a crack that divides the element.
+    int SideAt (size_t crack, Trace trace, SidedPoint & x) const
+    {
+      bool by_position = trace == Trace::Position || IsElsewhere(crack, x.Place());
+      return by_position ? x.SideOf(crack) : ForcedSide(trace, crack);
+    }
+
+    /// Whether a point of Γ_C lies on another crack.
+    bool IsElsewhere (size_t crack, Point x) const { return IsShared() && cut->CrackAt(body.Cracks(), x).crack != crack; }
+
+    /// The cracks across which functions of the element jump.
+    std::vector<size_t> DividingCracks () const
+    {
+      std::set<size_t> cracks;
+      for (auto & function : heaviside)
+        if (function.side == 0) cracks.insert(function.crack);
+      return { cracks.begin(), cracks.end() };
     }
 
     int ForcedSide (Trace trace, size_t crack) const
@@ -111,6 +128,19 @@ namespace ngsxfem_contact
             return here ? int(here->larger) : 0;
           }
         default: return 0;
+        }
+    }
+
+    /// visit(number of the dof, s) for every function of the tips at x, see TipFunctions::SingularDivergence.
+    template <typename F>
+    void VisitSingularDivergence (Point x, Trace trace, F && visit) const
+    {
+      size_t dof = 2*NumScalar();
+      for (auto tip : tips)
+        {
+          auto s = tip->SingularDivergence(x, ForcedSide(trace, tip->Crack()));
+          for (int m = 0; m < tip->Size(); m++, dof++)
+            if (m < 2) visit(dof, s[m]);
         }
     }
 

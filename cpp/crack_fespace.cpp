@@ -37,6 +37,13 @@ namespace ngsxfem_contact
           if (trace == Trace::Position) (diff_order ? flux_evaluator : evaluator)[VOL] = op;
           else additional_evaluators.Set(op->Name(), op);
         }
+    if (order > 1)
+      for (auto trace : { Trace::Position, Trace::Plus, Trace::Minus, Trace::Larger })
+        for (auto kind : { Dilatation::Projected, Dilatation::Singular })
+          {
+            auto op = make_shared<DilatationOp>(kind, trace, rules);
+            additional_evaluators.Set(op->Name(), op);
+          }
     evaluator[BND] = make_shared<CrackDiffOp>(0, Trace::Position, BND);
     additional_evaluators.Set("Grad", flux_evaluator[VOL]);
   }

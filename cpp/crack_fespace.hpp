@@ -1,7 +1,7 @@
 #pragma once
 // V_h: the cut-off XFEM space (method.md, section 3), one vector-valued space.
 
-#include "diffops.hpp"
+#include "dilatation.hpp"
 
 namespace ngsxfem_contact
 {

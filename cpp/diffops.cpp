@@ -11,12 +11,17 @@ namespace ngsxfem_contact
     if (diff_order) SetDimensions({ 2, 2 });
   }
 
-  string CrackDiffOp :: Name () const
+  string NameOf (Trace trace)
   {
     static const std::map<Trace, string> names
       { { Trace::Position, "" }, { Trace::Plus, "plus" }, { Trace::Minus, "minus" }, { Trace::Jump, "jump" }, { Trace::Larger, "larger" } };
-    if (diff_order) return "grad" + names.at(trace);
-    return trace == Trace::Position ? "Id" : names.at(trace);
+    return names.at(trace);
+  }
+
+  string CrackDiffOp :: Name () const
+  {
+    if (diff_order) return "grad" + NameOf(trace);
+    return trace == Trace::Position ? "Id" : NameOf(trace);
   }
 
   bool CrackDiffOp :: operator== (const DifferentialOperator & other) const

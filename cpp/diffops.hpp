@@ -9,6 +9,9 @@ namespace ngsxfem_contact
 {
   using ngfem::BareSliceMatrix, ngfem::BareSliceVector, ngcore::LocalHeap;
 
+  /// What an operator's name ends in.
+  string NameOf (Trace trace);
+
   /// order 0: (u_x, u_y); order 1: the matrix ∂_j u_i.
   class CrackDiffOp : public ngfem::DifferentialOperator
   {

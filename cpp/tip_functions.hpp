@@ -45,6 +45,29 @@ namespace ngsxfem_contact
     template <typename T>
     void Evaluate (Vec<2,T> p, int side, Vec<2,AutoDiff<2,T>> * values) const
     {
+      auto [chi, C, S, R, y] = At(p, side);
+      if (spec.basis == TipBasis::Modes)
+        EvaluateModes(chi, C, S, R, values);
+      else
+        EvaluateBranch(chi, C, S, y/R, R, values);
+    }
+
+    /// χ div of the modes as if the crack were straight, what is singular in it: of the order of 1/λ_L. 0 for the functions (8).
+    std::array<double,2> SingularDivergence (Point p, int side) const
+    {
+      if (spec.basis == TipBasis::Branch) return { 0, 0 };
+      auto [chi, C, S, R, y] = At<double>(p, side);
+      double scale = (spec.kappa-1) / (2*spec.mu*sqrt(2*M_PI)) * chi.Value() / R.Value();
+      return { scale*C.Value(), -scale*S.Value() };
+    }
+
+  private:
+    template <typename T>
+    struct Local { AutoDiff<2,T> chi, C, S, R, y; };       // χ, √r cos(θ/2), √r sin(θ/2), r, r sin θ
+
+    template <typename T>
+    Local<T> At (Vec<2,T> p, int side) const
+    {
       Vec<2,T> d { p(0)-tip(0), p(1)-tip(1) };
       AutoDiff<2,T> x = Coordinate(d, ahead), y = Coordinate(d, left);
       // finite at the tip itself, and harmless if a point of a rule is rounded onto it
@@ -56,13 +79,10 @@ namespace ngsxfem_contact
       if (!curve.IsStraight()) Straighten(R, x, y);
       if (side) y.Value() = T(0.);                // Γ_C is straight in these coordinates
       auto [C, S] = HalfAngle(x, y, r, side*plus_sign);
-      AutoDiff<2,T> chi = Chi(R);
-      if (spec.basis == TipBasis::Modes)
-        EvaluateModes(chi, C, S, R, values);
-      else
-        EvaluateBranch(chi, C, S, y/R, R, values);
+      return { Chi(R), C, S, R, y };
     }
 
+  public:
     template <typename T>
     AutoDiff<2,T> Chi (AutoDiff<2,T> r) const
     {

@@ -9,6 +9,7 @@ from .connectivity import RigidMotions
 from .contact_system import stiffness_form
 from .elimination import Elimination, unit_scale
 from .errors import NotCoercive, SingularSystem
+from .mixed_system import LocalPressures
 from .operators import NormalGap
 from .progress import doing
 from .spaces import csr_view, mask, to_scipy
@@ -106,6 +107,8 @@ def Coercivity(problem):
     K = stiffness_form(problem).Assemble().mat
     squared = problem.ComparedTraction().Squared(u, v, problem.friction.components)
     K_gamma = to_scipy(BilinearForm(gamma * squared * problem.body.dcrack).Assemble().mat)
+    if problem.is_mixed:
+        K_gamma -= LocalPressures(problem, gamma).Stiffness()
     with doing(f"smallest eigenvalue of K - K_γ against K, {V.ndof} unknowns"):
         return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, V, problem.free), mask(problem.free))
 

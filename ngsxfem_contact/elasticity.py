@@ -18,6 +18,7 @@ def check_engineering_constants(E, nu, limit, name):
     check_number(nu, f"{name}: nu", lambda nu: -1 < nu < limit, f"lie between -1 and {limit} (Poisson's ratio)")
 
 
+NEARLY_INCOMPRESSIBLE = 9  # λ_L/μ_L
 FORMS = ("plane strain", "plane stress")
 
 
@@ -32,6 +33,8 @@ class Isotropic(ABC):
     nu: float | CoefficientFunction
     alpha: float | CoefficientFunction
     confined: float | CoefficientFunction
+    nearly_incompressible: bool  # anywhere
+    projected: int | CoefficientFunction  # 1 where it is, 0 elsewhere
 
     @property
     def E(self):
@@ -87,6 +90,8 @@ class Elasticity(Isotropic):
     alpha: float = 0.0
     nu: float = field(init=False, repr=False, compare=False)
     confined: float = field(init=False, repr=False, compare=False)
+    nearly_incompressible: bool = field(init=False, repr=False, compare=False)
+    projected: int = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         for name in ("lam", "mu", "alpha"):
@@ -107,6 +112,8 @@ class Elasticity(Isotropic):
         is_strain = self.form == "plane strain"
         object.__setattr__(self, "nu", self.lam / (2 * (self.lam + self.mu)) if is_strain else self.lam / (self.lam + 2 * self.mu))
         object.__setattr__(self, "confined", float(is_strain))
+        object.__setattr__(self, "nearly_incompressible", self.lam > NEARLY_INCOMPRESSIBLE * self.mu)
+        object.__setattr__(self, "projected", int(self.nearly_incompressible))
 
     @staticmethod
     def PlaneStrain(E, nu, alpha=0.0):
@@ -169,7 +176,8 @@ class RegionElasticity(Isotropic):
         self.regions = [materials[matches[region][0]] for region in names]
         by_name = dict(zip(names, self.regions))
         piecewise = lambda field: mesh.MaterialCF({name: getattr(material, field) for name, material in by_name.items()})
-        self.lam, self.mu, self.nu, self.alpha, self.confined = map(piecewise, ("lam", "mu", "nu", "alpha", "confined"))
+        self.lam, self.mu, self.nu, self.alpha, self.confined, self.projected = map(piecewise, ("lam", "mu", "nu", "alpha", "confined", "projected"))
+        self.nearly_incompressible = any(material.nearly_incompressible for material in self.regions)
 
     def At(self, mesh, point):
         """The Elasticity of the region that contains a point; on an interface that of either side."""

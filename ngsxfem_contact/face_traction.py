@@ -15,7 +15,7 @@ from ngsolve import CF, CoefficientFunction, IfPos, InnerProduct, sqrt
 
 from . import _ngsxfem_contact as core
 from .elasticity import Isotropic
-from .operators import Strain
+from .incompressible import stress
 from .terms import replaced, restriction, tested, unit_limits
 
 
@@ -78,7 +78,7 @@ class ComparedTraction:
 
     def Of(self, u, component, side):
         """One component of σ(u)n on a side, and what the joint adds."""
-        traction = component.traction(self.material.Stress(Strain(u, side)), self.body)
+        traction = component.traction(stress(self.material, u, side), self.body)
         return traction if self.joint is None else traction + self.joint.Tractions(u).Shift(component, side, self.body)
 
     def Summed(self, u, component):

@@ -131,9 +131,9 @@ def auxiliary_field(frame, material, gradient):
 
 def solution_field(solution, frame):
     """u with its load, its given stress, and what acts on the lips: the contact pressure from λ_h and R_h(u_h), λ_t, given tractions, joints."""
-    body, material, applied = solution.body, solution.problem.material, solution.load.applied
+    body, applied = solution.body, solution.load.applied
     gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
-    stress = {side: material.Stress(_symmetric(g)) for side, g in gradient.items()}
+    stress = {side: solution.ElasticStress(side) for side in gradient}
     multiplier, mean = pressures(solution)
     # the lips of a bent tip function are not free of traction: σ_n(u_h) is the worse one there
     straight = frame.crack.CurvatureAt(frame.tip.s) == 0

@@ -15,15 +15,16 @@ solution for given thresholds and the nodal methods end.
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import CoefficientFunction, ElementId, GridFunction, Sym
+from ngsolve import CoefficientFunction, ElementId, GridFunction, Id, Sym
 from scipy.sparse import block_diag, csr_matrix, diags, vstack
 from scipy.sparse.linalg import spsolve
 
 from .arguments import check_number, check_positive, check_whole
 from .cones import Nonpositive
 from .contact_system import ContactSystem, stiffness_form
+from .incompressible import is_projected
 from .operators import NORMAL
-from .spaces import crack_points, mass_matrix, to_scipy
+from .spaces import add_to, crack_points, mass_matrix
 from .stabilisation import BarbosaHughes, Stabilisation
 from .terms import unit_limits
 
@@ -55,7 +56,7 @@ class Nitsche(Stabilisation):
 
     @property
     def _barbosa_hughes(self):
-        return BarbosaHughes(self.gamma0, self.coercivity)
+        return WholeTraction(self.gamma0, self.coercivity)
 
     def Gamma(self, V, material, components=(NORMAL,)):
         """γ as a CoefficientFunction on the elements that the cracks meet."""
@@ -79,6 +80,14 @@ class Nitsche(Stabilisation):
     def System(self, problem):
         """The matrices of the problem: a NitscheSystem."""
         return NitscheSystem(problem)
+
+
+class WholeTraction(BarbosaHughes):
+    """γ for a law at points, which leaves no room for a pressure of its own: it falls like h/λ_L where the material is nearly incompressible."""
+
+    def Law(self, V, material):
+        """The material."""
+        return material
 
 
 class CrackPoints:
@@ -213,15 +222,26 @@ class NitscheSystem(ContactSystem):
 
 def component_rows(problem, nodes):
     """Jumps and tractions R of each component at the points: two lists of sparse matrices."""
-    body, stress = problem.body, problem.material.Stress
+    body, material = problem.body, problem.material
     jump, gradient = (nodes.Rows(problem.V, operator) for operator in ("jump", "gradlarger"))
     units = lambda n, **dims: [CoefficientFunction(tuple(row), **dims) for row in np.eye(n)]
+    stresses = [*(2 * material.mu * Sym(e) for e in units(4, dims=(2, 2))), material.lam * Id(2)]
+    gradient = [*gradient, dilatation_rows(problem, nodes, gradient)]
     combined = lambda functions, rows: sum(diags(nodes.Values(f)) @ r for f, r in zip(functions, rows))
     jumps, tractions = [], []
     for component in problem.friction.components:
         jumps.append(combined([component.jump(GivenJump(e), body) for e in units(2)], jump))
-        tractions.append(combined([component.traction(stress(Sym(e)), body) for e in units(4, dims=(2, 2))], gradient))
+        tractions.append(combined([component.traction(stress, body) for stress in stresses], gradient))
     return jumps, tractions if problem.a.joint is None else [t + r for t, r in zip(tractions, joint_rows(problem, nodes))]
+
+
+def dilatation_rows(problem, nodes, gradient):
+    """What λ_L multiplies in the stress at the points: D u of the larger part where the material is nearly incompressible, div u elsewhere."""
+    divergence, material = gradient[0] + gradient[3], problem.material
+    if not is_projected(problem.V, material):
+        return divergence
+    projected = nodes.Values(CoefficientFunction(material.projected))
+    return diags(projected) @ nodes.Rows(problem.V, "dilatationlarger")[0] + diags(1 - projected) @ divergence
 
 
 def joint_rows(problem, nodes):
@@ -230,12 +250,3 @@ def joint_rows(problem, nodes):
     rows = [row for operator in ("plus", "minus") for row in nodes.Rows(problem.V, operator)]
     for component in problem.friction.components:
         yield sum(diags(nodes.Values(t.Shift(component, "larger", problem.body))) @ row for t, row in zip(columns, rows))
-
-
-def add_to(matrix, other):
-    """Adds a scipy matrix with a smaller pattern to a matrix of NGSolve."""
-    pattern, other = to_scipy(matrix), other.tocoo()
-    width = np.int64(matrix.width)
-    keys = np.repeat(np.arange(matrix.height, dtype=np.int64), np.diff(pattern.indptr)) * width + pattern.indices
-    places = np.searchsorted(keys, other.row * width + other.col)
-    np.add.at(matrix.AsVector().FV().NumPy(), places, other.data)

@@ -12,7 +12,9 @@ from .contact_system import ContactSystem
 from .elasticity import Isotropic
 from .face_traction import ComparedTraction
 from .friction import Friction, Frictionless
+from .incompressible import is_projected, projection_degree, warn_of_locking
 from .load import LoadForm, StiffnessForm, load_form
+from .mixed_system import MixedSystem
 from .operators import Gradient, Minus, Plus
 from .solver import STEP_OPTIONS, solve
 from .spaces import decide
@@ -101,6 +103,7 @@ class ContactProblem:
             raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
         decide(V, material)
         check_modes(V, material)
+        warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
         self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
@@ -204,9 +207,19 @@ class ContactProblem:
         """F of (38), an array."""
         return self.f.Assemble().vec.FV().NumPy().copy()
 
+    @property
+    def projection(self):
+        """The degree of the polynomials onto which div u is projected where the material is nearly incompressible, or None."""
+        return projection_degree(self.V) if is_projected(self.V, self.material) else None
+
+    @property
+    def is_mixed(self):
+        """Whether the parts beside the cracks have pressures of their own, see `mixed_system`."""
+        return isinstance(self.stabilisation, BarbosaHughes) and is_projected(self.V, self.material)
+
     def Assemble(self):
         """The matrices of (38): a ContactSystem."""
-        return getattr(self.stabilisation, "System", ContactSystem)(self)
+        return getattr(self.stabilisation, "System", MixedSystem if self.is_mixed else ContactSystem)(self)
 
     def Solve(self, **options):
         """Solves and returns a ContactSolution; options: inverse, previous, cone, r, start, max_iterations, see `solver.solve`.

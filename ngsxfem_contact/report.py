@@ -19,6 +19,8 @@ class Report:
     residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
     when u is recovered and NaN before (LoadSteps).    timings: seconds.    notes: of the body, on ends of cracks that it moved.
 
+    projection: the degree of the polynomials onto which div u is projected where the material is nearly incompressible; None: nowhere.
+
     With friction, tangential: states of the nodes in each iteration, codes of `nodal_newton`; method: in words;
     threshold_changes: relative, of each step of a fixed point on the threshold; uniqueness: below 1 it proves that the law has
     one solution (0: convex problem, None: not known).
@@ -39,6 +41,7 @@ class Report:
     threshold_changes: list = field(default_factory=list)
     uniqueness: float | None = None
     notes: list = field(default_factory=list)
+    projection: int | None = None
 
     def Counts(self):
         """Nodes in contact and, with friction, nodes that stick and slip either way, at the end."""
@@ -46,6 +49,11 @@ class Report:
         if self.tangential:
             counts |= {name: int((self.tangential[-1] == code).sum()) for name, code in (("stick", STICK), ("slip+", SLIP_PLUS), ("slip-", SLIP_MINUS))}
         return counts
+
+    def _projection_lines(self):
+        if self.projection is None:
+            return []
+        return [f"divergence       projected onto P{self.projection} of each part where the material is nearly incompressible"]
 
     def _friction_lines(self):
         if not self.tangential:
@@ -68,6 +76,7 @@ class Report:
                 f"direct solver    {self.inverse}",
                 f"converged        {'not checked yet' if self.converged is None else self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
                 f"in contact       {sizes}" + (f"  (+ {self.fallback} safeguarded steps)" if self.fallback else ""),
+                *self._projection_lines(),
                 *self._friction_lines(),
                 f"residual         {measured(self.residual)}",
                 f"complementarity  {measured(self.complementarity)}",

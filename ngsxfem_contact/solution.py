@@ -1,14 +1,17 @@
 """What a solve returns."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from ngsolve import GridFunction, InnerProduct, Integrate
+from ngsolve import GridFunction, Id, Integrate
 
 from . import fracture
 from .arguments import check_item, check_whole
+from .incompressible import stress, stress_power
+from .mixed_system import LocalPressures
 from .nodal_newton import FREE
-from .operators import TANGENTIAL, NormalGap, Slip, Strain
+from .operators import NORMAL, TANGENTIAL, NormalGap, Slip
 from .spaces import check_regions, crack_points
 
 
@@ -79,15 +82,25 @@ class ContactSolution:
 
     def StressAt(self, side):
         """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point."""
-        stress, given = self.problem.material.Stress(Strain(self.u, side)), self.load.applied.stress
-        return stress if given is None else stress + given
+        elastic, given = self.ElasticStress(side), self.load.applied.stress
+        return elastic if given is None else elastic + given
+
+    def ElasticStress(self, side):
+        """The same without what is given, C:ε(u)."""
+        elastic = stress(self.problem.material, self.u, side)
+        return elastic if self._pressure is None else elastic + self._pressure.At(side) * Id(2)
+
+    @cached_property
+    def _pressure(self):
+        """π of `mixed_system`, a PressureField, or None."""
+        if not self.problem.is_mixed:
+            return None
+        return LocalPressures(self.problem, self.gamma).Fit(self.multiplier - self._compared(NORMAL, "larger"))
 
     def Energy(self):
         """½ a(u, u), the elastic energy for each unit of thickness: stress × length². Springs of problem.a and given stresses have no part in it."""
-        strain = Strain(self.u)
-        return 0.5 * Integrate(
-            InnerProduct(self.problem.material.Stress(strain), strain) * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh
-        )
+        power = stress_power(self.problem.material, self.u, self.u)
+        return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
     def ContactForce(self, crack=0):
         """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length. Raises ValueError for a crack that is not there."""
@@ -166,6 +179,10 @@ class ContactSolution:
 
     def Traction(self, component, side):
         """R_h(u) + r_0 of a side ("plus", "minus", "larger"): what the multiplier of a component (`operators.NORMAL`, `TANGENTIAL`) approximates."""
+        traction = self._compared(component, side)
+        return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
+
+    def _compared(self, component, side):
         return self.problem.ComparedTraction().Of(self.u, component, side) + self.load.applied.Shift(component, side, self.body)
 
     def Transitions(self, crack=0):

@@ -139,7 +139,9 @@ class ReducedProblem:
         check_whole(max_iterations, "max_iterations", 1)
         check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
         problem.supports.CheckOverlap(load.jumps, problem.gap, np.abs(load.given).max())
-        report = Report((int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes))
+        report = Report(
+            (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
+        )
         with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
             T, Q = self._signs(cone)
             G = self._gaps(previous) + load.given_traction.G

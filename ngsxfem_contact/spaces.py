@@ -88,7 +88,8 @@ class CrackFESpace(core.CrackFESpace):
     N_H are the functions with completely cut support. They are stored as ½(H - s_i) φ_i, s_i the sign of the larger
     part of the support: the span is the same, b_i is the nodal jump, and thin parts do no harm.
 
-    body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+").
+    body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+"), with higher orders all
+        bubbles of degree order + 1, which nearly incompressible materials need; default: where the material is one and order > 1.
     tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
     material: Elasticity (or Elasticity.ByRegion) of the body: the tips have its modes, and ContactProblem(V, W) takes it.
     dirichlet: names (a regular expression) of the boundaries on which u is held.    dirichletx, dirichlety: of those on which that component is held:
@@ -98,13 +99,11 @@ class CrackFESpace(core.CrackFESpace):
     boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
 
-    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=False, dirichlet="", dirichletx="", dirichlety="", material=None, **flags):
+    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=None, dirichlet="", dirichletx="", dirichlety="", material=None, **flags):
         check_flags(flags)
         check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
         check_whole(order, "CrackFESpace: order", 1)
         check_type(material, Isotropic | None, "CrackFESpace: material", "an Elasticity")
-        if bubble and order != 1:
-            raise ValueError(f"CrackFESpace: bubble=True goes with order=1 (P1+), not with order={order}")
         for name, pattern in (("dirichlet", dirichlet), ("dirichletx", dirichletx), ("dirichlety", dirichlety)):
             if pattern:
                 flags[name] = joined_names(pattern)
@@ -114,8 +113,10 @@ class CrackFESpace(core.CrackFESpace):
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
         tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)
+        if bubble is None:
+            bubble = order > 1 and any(map(is_nearly_incompressible, [material, *(getattr(enrichment, "material", None) for enrichment in tips)]))
         if bubble:
-            flags["orderinner"] = 3
+            flags["orderinner"] = max(3, order + 1)
         super().__init__(body, specs, tolerance, order=order, **flags)
         self.material = material
         self.undecided = [number for number, enrichment in enumerate(tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
@@ -184,6 +185,11 @@ def check_flags(flags):
 def joined_names(pattern):
     """One regular expression for a list of them; what is none is left to check_regions."""
     return "|".join(pattern) if isinstance(pattern, (list, tuple)) and all(isinstance(name, str) for name in pattern) else pattern
+
+
+def is_nearly_incompressible(material):
+    """Whether a material, or None, is nearly incompressible."""
+    return material is not None and material.nearly_incompressible
 
 
 def check_regions(mesh, pattern, what):
@@ -271,6 +277,15 @@ def csr_view(matrix):
     """The same without a copy: valid as long as the matrix is."""
     values, columns, rows = (np.asarray(part) for part in matrix.CSR())
     return csr_matrix((values, columns, rows), shape=(matrix.height, matrix.width), copy=False)
+
+
+def add_to(matrix, other):
+    """Adds a scipy matrix with a smaller pattern to a matrix of NGSolve."""
+    pattern, other = to_scipy(matrix), other.tocoo()
+    width = np.int64(matrix.width)
+    keys = np.repeat(np.arange(matrix.height, dtype=np.int64), np.diff(pattern.indptr)) * width + pattern.indices
+    places = np.searchsorted(keys, other.row * width + other.col)
+    np.add.at(matrix.AsVector().FV().NumPy(), places, other.data)
 
 
 def mass_matrix(W):

@@ -9,12 +9,13 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFunction, IfPos, InnerProduct, sqrt, x, y
+from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFunction, IfPos, sqrt, x, y
 
 from . import _ngsxfem_contact as core
 from .arguments import check_number, check_positive
 from .face_traction import ComparedTraction
-from .operators import NORMAL, Strain
+from .incompressible import WithoutPressure, is_projected, stress_power
+from .operators import NORMAL
 
 
 class Stabilisation:
@@ -97,13 +98,19 @@ class BarbosaHughes(Stabilisation):
         """γ_T / h_T for each of crack_elements."""
         if self.gamma0 is not None:
             return np.full(len(crack_elements(V.body)), self.gamma0)
-        constants, moduli = trace_constants(V, material, components), local_moduli(V, material)
+        law, moduli = self.Law(V, material), local_moduli(V, material)
+        constants = trace_constants(V, law, components)
         # an element on which R_h vanishes needs no bound of its own
-        return self.theta / np.maximum(constants, 1e-3 * (constants / moduli).max() * moduli)
+        limits = self.theta / np.maximum(constants, 1e-3 * (constants / moduli).max() * moduli)
+        return np.where(lacks_pressure(V, law), 0, limits)
+
+    def Law(self, V, material):
+        """The material, or the part of it that γ has to do with: where it is nearly incompressible, pressures of their own take the rest."""
+        return WithoutPressure(material) if is_projected(V, material) else material
 
     def IsSafe(self, V, material, components=(NORMAL,)):
         """Whether the local eigenproblems prove K - K_γ positive."""
-        return self.gamma0 is None or self.gamma0 * trace_constants(V, material, components).max() < 1
+        return self.gamma0 is None or self.gamma0 * trace_constants(V, self.Law(V, material), components).max() < 1
 
     def Remedy(self, smallest):
         """A smaller γ."""
@@ -162,10 +169,27 @@ def crack_elements(body):
 
 
 def local_moduli(V, material):
-    """lam + 2 mu on each of crack_elements."""
+    """What R_h is of the order of in each of crack_elements: lam + 2 mu, and 2 mu where the pressure is free."""
     modulus = GridFunction(L2(V.mesh, order=0))
-    modulus.Set(CoefficientFunction(material.lam + 2 * material.mu))
+    free = material.projected if is_projected(V, material) else 0
+    modulus.Set(CoefficientFunction((1 - free) * material.lam + 2 * material.mu))
     return np.array([modulus.vec[location.element] for location in crack_elements(V.body)])
+
+
+def carries_pressure(V, material):
+    """For each of crack_elements whether it has a pressure of its own, see `mixed_system`: nearly incompressible, and met by one crack only."""
+    return np.array([len(V.body.CracksOf(T.element)) == 1 for T in crack_elements(V.body)]) & _nearly_incompressible(V, material)
+
+
+def lacks_pressure(V, law):
+    """For each of crack_elements whether two cracks share it, so that it has no pressure of its own though the law asks for it."""
+    return isinstance(law, WithoutPressure) & _nearly_incompressible(V, law) & ~carries_pressure(V, law)
+
+
+def _nearly_incompressible(V, material):
+    index = np.array([V.mesh[ElementId(T.element)].index for T in crack_elements(V.body)], dtype=int)
+    regions = getattr(material, "regions", None)
+    return np.array([(regions[i] if regions else material).nearly_incompressible for i in index], dtype=bool)
 
 
 def tip_weight(V):
@@ -195,12 +219,11 @@ def trace_constants(V, material, components=(NORMAL,)):
     """
     u, v = V.TnT()
     body = V.body
-    stress_power = InnerProduct(material.Stress(Strain(u)), Strain(v))
     traces = tip_weight(V) * ComparedTraction(body, material, BarbosaHughes.sides).Squared(u, v, components)
     sharing = Counter(location.element for location in crack_elements(body))
     constants = []
     for crack in range(len(body.cracks)):
-        energy = BilinearForm(stress_power * body.dlarger(crack=crack))
+        energy = BilinearForm(stress_power(material, u, v) * body.dlarger(crack=crack))
         trace = BilinearForm(traces * body.dcrack(crack=crack))
         constants += [sharing[T.element] * T.h * _largest_ratio(V, T.element, trace, energy) for T in body.Elements(crack)]
     return np.array(constants)

@@ -161,7 +161,6 @@ def test_regions():
     "options, message",
     [
         (dict(order=0), "order=0 must be 1 or more"),
-        (dict(order=2, bubble=True), "bubble=True goes with order=1"),
         (dict(tip=[]), "0 tip enrichments for 1 tips"),
         (dict(tip=[None, None]), "2 tip enrichments for 1 tips"),
         (dict(tip=TipEnrichment(r1=0.41)), r"the disk r1 = 0.41 of the tip at \(0.6, 0.53\) reaches the boundary of the body, at 0.4; choose r1 below"),

@@ -298,11 +298,6 @@ def test_wrong_number_of_tips():
         CrackFESpace(BODY, tip=[None, None])
 
 
-def test_bubble_goes_with_order_1():
-    with pytest.raises(ValueError, match=r"bubble=True goes with order=1 .*, not with order=2"):
-        CrackFESpace(BODY, order=2, bubble=True)
-
-
 @pytest.mark.parametrize("order", [0, -1])
 def test_order_of_the_displacement(order):
     with pytest.raises(ValueError, match=f"order={order} must be 1 or more"):
