@@ -96,6 +96,15 @@ namespace ngsxfem_contact
     flux = mat * x.Range(0, fel.GetNDof());
   }
 
+  void CrackDiffOp :: ApplyTrans (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, FlatVector<double> flux,
+                                  BareSliceVector<double> x, LocalHeap & lh) const
+  {
+    HeapReset hr(lh);
+    FlatMatrix<double, ColMajor> mat(Dim(), fel.GetNDof(), lh);
+    CalcMatrix(fel, mip, mat, lh);
+    x.Range(0, fel.GetNDof()) = Trans(mat) * flux;
+  }
+
   /// The scalar functions compactly: row j*d+l is component l of function j.
   void CrackDiffOp :: CalcScalar (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
   {

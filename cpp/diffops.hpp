@@ -28,7 +28,8 @@ namespace ngsxfem_contact
     bool SupportsVB (VorB vb) const override { return vb == VB() || (diff_order == 0 && vb <= BND); }
     shared_ptr<ngfem::DifferentialOperator> GetTrace() const override;
 
-    using ngfem::DifferentialOperator::CalcMatrix, ngfem::DifferentialOperator::Apply, ngfem::DifferentialOperator::AddTrans;
+    using ngfem::DifferentialOperator::CalcMatrix, ngfem::DifferentialOperator::Apply,
+      ngfem::DifferentialOperator::ApplyTrans, ngfem::DifferentialOperator::AddTrans;
 
     void CalcMatrix (const FiniteElement & fel, const ngfem::BaseMappedIntegrationPoint & mip,
                      BareSliceMatrix<double, ngfem::ColMajor> mat, LocalHeap & lh) const override;
@@ -38,6 +39,8 @@ namespace ngsxfem_contact
                 ngbla::FlatVector<double> flux, LocalHeap & lh) const override;
     void Apply (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                 BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const override;
+    void ApplyTrans (const FiniteElement & fel, const ngfem::BaseMappedIntegrationPoint & mip, ngbla::FlatVector<double> flux,
+                     BareSliceVector<double> x, LocalHeap & lh) const override;
     void AddTrans (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                    BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const override;
 
