@@ -31,7 +31,7 @@ def main():
             mesh = measures[row["mesh"]].mesh if row["mesh"] in measures else Mesh(str(options.folder / f"u{row['mesh']}.vol"))
             problem = paper_problem(mesh, pair=row["pair"])
             if row["mesh"] not in measures:
-                measures[row["mesh"]] = ErrorMeasure(problem.body, reference)
+                measures[row["mesh"]] = ErrorMeasure(problem.V, reference)
                 measures[row["mesh"]].mesh = mesh
             solution = problem.Solve()
             errors = measures[row["mesh"]].Errors(solution, BarbosaHughes().Gamma(problem.V, MATERIAL))

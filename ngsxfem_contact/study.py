@@ -96,10 +96,10 @@ class Reference:
 class ErrorMeasure:
     """Norms of the difference to the reference on one mesh: its own rules, cut where it is cut; the reference by point."""
 
-    def __init__(self, body, reference):
-        self.points, self.weights, x, y = measure_points(body.dx, body.mesh)
+    def __init__(self, V, reference):
+        self.points, self.weights, x, y = measure_points(V.body.dx(space=V), V.mesh)
         self.u, self.gradient = reference.Displacement(x, y)
-        self.crack_points, self.crack_weights, s, _ = measure_points(body.dcrack, body.mesh)
+        self.crack_points, self.crack_weights, s, _ = measure_points(V.body.dcrack(space=V), V.mesh)
         self.pressure = reference.Pressure(s)
 
     def Norms(self, u=0, gradient=0, pressure=0, gamma=1):
@@ -257,7 +257,7 @@ class Study:
         if not missing:
             return
         mesh = realisation_mesh(h, i, structured)
-        measure = ErrorMeasure(paper_problem(mesh, pair="P1/P1").body, self.reference)  # its tip functions grade the rules
+        measure = ErrorMeasure(paper_problem(mesh, pair="P1/P1").V, self.reference)  # its tip functions grade the rules
         if "reference" not in {record["kind"] for record in self.records}:
             self.Add([{"kind": "reference", "norm": measure.Norms()}])
         for key, run in missing:

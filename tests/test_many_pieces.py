@@ -88,7 +88,7 @@ def solve(crack, mesh):
 
 def test_a_polyline_of_many_points_is_the_arc():
     """Its energy converges to that of the arc, and its rules have some points for each segment."""
-    mesh = rectangle(0.12)
+    mesh = rectangle(0.09)
     arc = solve(Crack.Arc((0.3, 0.5), (0.5, 0.7), (0.7, 0.5)), mesh)
     fine, finer = (solve(half_circle(n), mesh) for n in (101, 301))
     off = [solution.Energy() / arc.Energy() - 1 for solution in (fine, finer)]

@@ -27,7 +27,7 @@ def reference(folder):
 def test_the_reference_has_no_error_against_itself(reference):
     problem = paper_problem(structured_mesh(31))
     solution = problem.Solve()
-    measure = ErrorMeasure(problem.body, reference)
+    measure = ErrorMeasure(problem.V, reference)
     errors = measure.Errors(solution, BarbosaHughes().Gamma(problem.V, MATERIAL))
     norms = measure.Norms()
     assert errors["L2"] < 1e-11 * norms["L2"] and errors["multiplier"] < 1e-11 * norms["multiplier"]
@@ -37,7 +37,7 @@ def test_the_reference_has_no_error_against_itself(reference):
 
 def test_norms_are_those_of_the_authors_program(reference):
     """‖u‖ in L² and H¹ and ‖λ‖ of their finest solution: 6.300e-3, 3.223e-2, 2.271e-2."""
-    norms = ErrorMeasure(paper_problem(structured_mesh(31)).body, reference).Norms()
+    norms = ErrorMeasure(paper_problem(structured_mesh(31)).V, reference).Norms()
     assert norms["L2"] == pytest.approx(6.300e-3, rel=2e-3)
     assert norms["H1"] == pytest.approx(3.223e-2, rel=2e-3)
     assert norms["multiplier"] == pytest.approx(2.271e-2, rel=5e-3)
@@ -110,7 +110,7 @@ def test_errors_fall_with_the_mesh(reference):
     errors = []
     for cells in (5, 9, 15):
         problem = paper_problem(structured_mesh(cells), pair="P1/P0")
-        errors.append(ErrorMeasure(problem.body, reference).Errors(problem.Solve(), BarbosaHughes().Gamma(problem.V, MATERIAL)))
+        errors.append(ErrorMeasure(problem.V, reference).Errors(problem.Solve(), BarbosaHughes().Gamma(problem.V, MATERIAL)))
     for name in ("L2", "H1", "multiplier"):
         assert errors[0][name] > 1.2 * errors[1][name] > 1.2**2 * errors[2][name]
 
