@@ -3,16 +3,17 @@
 import numpy as np
 
 SPREAD, ROOM = 4, 0.3  # found by benchmarks/k_errors.py
+BRANCH, NONE = 1.5, 3  # where there are no modes to compare with: at tips with the functions (8), and without functions
 
 
-def reported_error(K, doubt, distance):
+def reported_error(K, doubt, modes, h, spec):
     """The largest of three indications, in the unit of K.
 
-    K: (n, 2), of n disks.    doubt: change of K with the pressure, in absolute values along the lips.    distance: see `from_modes`.
+    K: (n, 2), of n disks, the largest first.    doubt: change of K with the pressure, in absolute values along the lips.
+    modes: the coefficients of the modes in the space, or None.    h: of the element at the tip.    spec: the TipSpec, or None.
     """
-    return float(max(SPREAD * np.ptp(K, axis=0).max(), *doubt, ROOM * distance))
-
-
-def from_modes(K, modes, h, spec):
-    """Between K and the coefficients of the modes, O(h) or O(√h) off, times h/r1: large where the functions have no room; 0 without modes."""
-    return 0.0 if modes is None else np.abs(np.subtract(modes, K)).max() * h / spec.r1
+    error = max(SPREAD * np.ptp(K, axis=0).max(), *doubt)
+    if modes is None:
+        return float(error * (NONE if spec is None else BRANCH))
+    # O(h) or O(√h), times h/r1: large where the functions have no room
+    return float(max(error, ROOM * np.abs(np.subtract(modes, K[0])).max() * h / spec.r1))

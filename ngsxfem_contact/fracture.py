@@ -18,7 +18,7 @@ from ngsolve import CF, L2, BitArray, CoefficientFunction, GridFunction, IfPos, 
 
 from . import _ngsxfem_contact as core
 from .arguments import check_item, check_number, check_whole
-from .factor_error import from_modes, reported_error
+from .factor_error import reported_error
 from .load import AppliedLoad
 from .operators import NORMAL, Gradient, NormalGap, NormalStress, Slip
 from .spaces import crack_points
@@ -291,7 +291,7 @@ class InteractionIntegral:
         first, second = pressures(solution)
         doubt = [0.5 * scale * integrals[0].OfPressure(first - second, mode) for mode in modes]
         own = mode_coefficients(solution, tip)
-        error = reported_error(K, doubt, from_modes(K[0], own, frame.h, solution.problem.V.tip_specs[tip]))
+        error = reported_error(K, doubt, own, frame.h, solution.problem.V.tip_specs[tip])
         return StressIntensityFactors(float(K[0, 0]), float(K[0, 1]), error, radii, K, own)
 
 
