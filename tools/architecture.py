@@ -14,11 +14,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 GROUPS = {
     "geometry": "box_tree curve_piece crack tip_curve element_division interpolant element_map element_location element_clips body_boundary crack_ends cut_rule curved_rule cut_element cracked_mesh body_rules crack_normal geometry",
-    "spaces": "tip_functions crack_element diffops crack_fespace crack_enrichment crack_bilinearform trace_space spaces tip_disk interpolation",
-    "forms": "cut_integral operators elasticity mouths boundary_samples load",
-    "methods": "bordered_matrix schur_complement elimination pardiso active_set box_path nodal_newton cones friction stabilisation nitsche checks conditioning connectivity negligible",
+    "spaces": "tip_functions crack_element diffops dilatation crack_fespace crack_enrichment crack_bilinearform trace_space spaces tip_disk interpolation",
+    "forms": "cut_integral form_terms operators elasticity incompressible face_traction mouths boundary_samples terms load",
+    "methods": "bordered_matrix schur_complement contact_system mixed_system elimination pardiso active_set box_path nodal_newton cones friction stabilisation nitsche checks conditioning connectivity negligible resolution",
     "problem and solver": "problem supports reactions solver load_steps solution report errors",
-    "reading solutions": "fracture fracture_solutions tip_fields growth split_mesh plotting closed_forms arc_solution",
+    "reading solutions": "fracture factor_error fracture_solutions tip_fields segments growth split_mesh plotting closed_forms arc_solution",
     "the paper and its study": "paper shapes study analysis figures __main__",
 }
 COLOURS = ("#cfe2f3", "#d9ead3", "#fff2cc", "#f9d5c5", "#ead1dc", "#d9d2e9", "#eeeeee")
