@@ -7,7 +7,7 @@ singular part s of the divergence of the tips' modes is left as it is. a(u, v) =
 
 from dataclasses import dataclass
 
-from ngsolve import VOL, ElementId, Id, InnerProduct, Trace
+from ngsolve import VOL, ElementId, Id, IfPos, InnerProduct, Trace
 
 from . import _ngsxfem_contact as core
 from .elasticity import Isotropic
@@ -59,11 +59,12 @@ def stress(material, u, side=None):
     return material.lam * dilatation(material, u, side) * Id(2) + 2 * material.mu * Strain(u, side)
 
 
-def stress_power(material, u, v):
-    """σ(u):ε(v), in which D takes the place of both divergences."""
+def stress_power(material, u, v, pressure=None):
+    """σ(u):ε(v), in which D takes the place of both divergences.  pressure: the PressureField π: D + π/λ_L takes their place."""
     if not is_projected(u.space, material):
         return InnerProduct(material.Stress(Strain(u)), Strain(v))
-    return material.lam * dilatation(material, u) * dilatation(material, v) + 2 * material.mu * InnerProduct(Strain(u), Strain(v))
+    more = 0 if pressure is None else pressure.At(None) / IfPos(material.lam, material.lam, 1)
+    return material.lam * (dilatation(material, u) + more) * (dilatation(material, v) + more) + 2 * material.mu * InnerProduct(Strain(u), Strain(v))
 
 
 def warn_of_locking(V, material, stabilisation):

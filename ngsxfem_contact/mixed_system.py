@@ -61,7 +61,7 @@ class LocalPressures:
 
     @property
     def _crack(self):
-        return self.problem.W.dcrack(definedonelements=self.elements)
+        return self.problem.W.dcrack(space=self.problem.V, definedonelements=self.elements)
 
     def Moments(self, f):
         """⟨f⟩ of a CoefficientFunction."""

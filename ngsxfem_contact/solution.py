@@ -99,7 +99,7 @@ class ContactSolution:
 
     def Energy(self):
         """½ a(u, u), the elastic energy for each unit of thickness: stress × length². Springs of problem.a and given stresses have no part in it."""
-        power = stress_power(self.problem.material, self.u, self.u)
+        power = stress_power(self.problem.material, self.u, self.u, self._pressure)
         return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
     def ContactForce(self, crack=0):
