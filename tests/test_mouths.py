@@ -146,7 +146,7 @@ def test_the_report_says_it():
 def check_divergence_theorem(mesh, body):
     """∫ H div F over the body = ∫ H F·n over ∂Ω - 2 ∫ F·n over the crack: volumes, sides, ∂Ω beside mouths, lengths and normals at once."""
     F, div = CF((x * x * y + 0.3 * y, x * y * y - 0.7 * x + 1)), 4 * x * y
-    for c, crack in enumerate(body.cracks):
+    for crack in body.cracks:
         on = body.dcrack(bonus_intorder=15)
         inside = Integrate(crack.side * div * body.dx(bonus_intorder=8), mesh)
         outside = Integrate(crack.side * (F * specialcf.normal(2)) * body.ds(bonus_intorder=8), mesh)
