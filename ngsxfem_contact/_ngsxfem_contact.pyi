@@ -545,15 +545,15 @@ class CrackedMesh:
         BitArray of the elements that carry a part of a crack (None: of any).
         """
 
-    def CracksOf(self, element: int) -> list[int]:
-        """
-        Numbers of the cracks that meet an element.
-        """
-
     def CrackInTriangle(self, element: int, crack: int) -> Crack:
         """
         The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle.
         Raises an Exception if the crack does not meet the element.
+        """
+
+    def CracksOf(self, element: int) -> list[int]:
+        """
+        Numbers of the cracks that meet an element.
         """
 
     def CutBoundaryElements(self, crack: int) -> list[int]:
@@ -641,15 +641,15 @@ class CrackedMesh:
         """
 
     @property
-    def notes(self) -> list[str]:
-        """
-        Sentences on the ends that were cut off or moved, none where all is as given.
-        """
-
-    @property
     def normal(self) -> ngsolve.fem.CoefficientFunction:
         """
         The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.
+        """
+
+    @property
+    def notes(self) -> list[str]:
+        """
+        Sentences on the ends that were cut off or moved, none where all is as given.
         """
 
     @property

@@ -19,7 +19,23 @@ CPP_FILES = sorted((ROOT / "cpp").glob("*.?pp"))
 BINDING_FILES = sorted((ROOT / "python").glob("*.?pp"))
 PYTHON_FILES = sorted(PACKAGE.glob("*.py"))
 
-GEOMETRY = {"box_tree", "curve_piece", "crack", "tip_curve", "element_division", "element_location", "cut_rule", "interpolant", "element_map", "element_clips", "body_boundary", "crack_ends", "curved_rule", "cracked_mesh", "body_rules"}
+GEOMETRY = {
+    "box_tree",
+    "curve_piece",
+    "crack",
+    "tip_curve",
+    "element_division",
+    "element_location",
+    "cut_rule",
+    "interpolant",
+    "element_map",
+    "element_clips",
+    "body_boundary",
+    "crack_ends",
+    "curved_rule",
+    "cracked_mesh",
+    "body_rules",
+}
 SPACES = {"tip_functions", "crack_element", "diffops", "crack_fespace", "crack_bilinearform", "trace_space", "cut_integral"}
 MATRICES = {"bordered_matrix", "schur_complement"}
 FORMS = {"spaces", "operators", "elasticity", "tip_disk"}
