@@ -131,7 +131,7 @@ def auxiliary_field(frame, material, gradient):
 
 def solution_field(solution, frame):
     """u with its load, its given stress, and what acts on the lips: the contact pressure from λ_h and R_h(u_h), λ_t, given tractions, joints."""
-    body, applied = solution.body, solution.load.applied
+    body, applied = solution.body, solution.applied
     gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
     stress = {side: solution.ElasticStress(side) for side in gradient}
     multiplier, mean = pressures(solution)
@@ -146,7 +146,7 @@ def solution_field(solution, frame):
 
 def given_stress(solution, frame):
     """The GivenStress of a solution, or None; its derivative is that of its projection onto polynomials on each element of the disk."""
-    given = solution.load.applied.stress
+    given = solution.applied.stress
     if given is None:
         return None
     space = L2(solution.body.mesh, order=solution.problem.V.order + 2)
@@ -258,7 +258,7 @@ def disks(frame, solution, radius):
     Raises ValueError if a disk leaves the body or the material of the tip, meets another crack, a point load or a loaded inner interface, or
     has less than two elements in its radius.
     """
-    room, limit = frame.Clearance(solution.problem.material, solution.load.applied)
+    room, limit = frame.Clearance(solution.problem.material, solution.applied)
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
     check_number(radius, f"the domain at the tip {frame.tip.point}: radius", lambda radius: radius > 0, "be positive")
@@ -381,7 +381,7 @@ def constant_at_tip(solution, frame, material):
     """σ_nn + σ⁰_ee - ν' σ⁰_nn in the mean over the last element before a tip: what the lips carry, and the given stress."""
     s = np.clip(np.abs(frame.tip.s - frame.h * np.linspace(0.05, 1, 20)), 0, frame.crack.length)
     points = crack_points(solution.body, frame.tip.crack, s)
-    given, normal, tractions = solution.load.applied.stress, solution.body.normal, solution.FaceTractions()
+    given, normal, tractions = solution.applied.stress, solution.body.normal, solution.FaceTractions()
     constant = solution.multiplier - 0.5 * InnerProduct(tractions.plus - tractions.minus, normal)
     if given is not None:
         ratio = (3 - material.kappa) / (1 + material.kappa)

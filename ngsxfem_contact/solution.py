@@ -9,6 +9,7 @@ from ngsolve import GridFunction, Id, Integrate
 from . import fracture
 from .arguments import check_item, check_whole
 from .incompressible import stress, stress_power
+from .load import AppliedLoad
 from .mixed_system import LocalPressures
 from .nodal_newton import FREE
 from .operators import NORMAL, TANGENTIAL, NormalGap, Slip
@@ -76,13 +77,18 @@ class ContactSolution:
         return self.problem.body
 
     @property
+    def applied(self):
+        """The AppliedLoad that this was solved for; of a solution that was read from a file it is not known, and empty."""
+        return self.load.applied if self.load is not None else AppliedLoad()
+
+    @property
     def stress(self):
         """σ(u) + σ⁰, a 2 × 2 CoefficientFunction: with initial stress, temperature, and the stresses that terms in Grad(v) give."""
         return self.StressAt(None)
 
     def StressAt(self, side):
         """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point."""
-        elastic, given = self.ElasticStress(side), self.load.applied.stress
+        elastic, given = self.ElasticStress(side), self.applied.stress
         return elastic if given is None else elastic + given
 
     def ElasticStress(self, side):
@@ -174,7 +180,7 @@ class ContactSolution:
 
     def FaceTractions(self):
         """What acts on the faces beside contact and friction: the FaceTractions that are given, and those of elastic joints."""
-        given, joint = self.load.applied.tractions, self.problem.a.joint
+        given, joint = self.applied.tractions, self.problem.a.joint
         return given if joint is None else given + joint.Tractions(self.u)
 
     def Traction(self, component, side):
@@ -183,7 +189,7 @@ class ContactSolution:
         return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
 
     def _compared(self, component, side):
-        return self.problem.ComparedTraction().Of(self.u, component, side) + self.load.applied.Shift(component, side, self.body)
+        return self.problem.ComparedTraction().Of(self.u, component, side) + self.applied.Shift(component, side, self.body)
 
     def Transitions(self, crack=0):
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""

@@ -57,6 +57,7 @@ def test_the_guide_names_what_exists():
     words = set(re.findall(r"\b[A-Z][a-z]+[A-Z]\w+\b", (DOCS / "guide.md").read_text(encoding="utf-8")))
     other = {
         "GridFunctions",
+        "LinearForm",
         "TaskManager",
         "CoefficientFunction",
         "NGSolve",
