@@ -43,7 +43,7 @@ namespace ngsxfem_contact
             Point ab = outline[k+1]-outline[k];
             double t = std::clamp(Dot(Point(p-outline[k]), ab)/Dot(ab, ab), 0.0, 1.0);
             Point q = Lerp(outline[k], outline[k+1], t);
-            if (double d = Norm(Point(p-q)); d < best.distance) best = { d, q, i, (k+t)/(outline.size()-1), edges[i].h };
+            if (double d = Norm(Point(p-q)); d < best.distance) best = { d, q, i, (k+t)/(outline.size()-1), edges[i].SizeAcross() };
           }
       }
     auto & edge = edges[best.edge];

@@ -15,6 +15,8 @@ namespace ngsxfem_contact
       double h;                          // longest edge of the element
       Point Value (double along) const { return map.Value(Lerp(a, b, along)); }
       Point Derivative (double along) const;
+      /// The size of the element across the edge: its longest edge, or less where it is flat.
+      double SizeAcross () const { return std::min(h, 4*Area(map.Corners())/Norm(Point(b-a))); }
     };
     std::vector<Edge> edges;
     double smallest;                     // h of all elements
