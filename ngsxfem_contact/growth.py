@@ -11,9 +11,9 @@ from ._ngsxfem_contact import Crack, CrackedMesh
 from .arguments import check_number, check_positive, check_whole
 from .errors import SingularSystem
 from .files import write_whole
+from .fracture import is_closed
 from .progress import doing
 from .resolution import warn_of_short_increment
-from .spaces import crack_points
 from .tip_fields import TipFrame, distance_along
 
 ENDS = ("start", "end")
@@ -350,11 +350,3 @@ def check_room(body, material, crack, end):
     room, limit = frame.Clearance(material)
     if room <= ROOM * frame.h:
         raise ValueError(f"the new tip {body.tips[number].point} would be {room:.4g} from {limit}, less than {ROOM} elements (h = {frame.h:.4g})")
-
-
-def is_closed(solution, number):
-    """Whether the faces press on each other over most of the last element before a tip."""
-    frame = TipFrame(solution.body, number)
-    s = np.clip(np.abs(frame.tip.s - frame.h * np.linspace(0.05, 1, 20)), 0, frame.crack.length)
-    pressure = solution.multiplier(crack_points(solution.body, frame.tip.crack, s)).ravel()
-    return bool(np.median(pressure) < 0)

@@ -24,7 +24,8 @@ from ngsxfem_contact import (
     WingCracks,
 )
 from ngsxfem_contact import fracture_solutions as fs
-from ngsxfem_contact.growth import extended, is_closed
+from ngsxfem_contact.fracture import is_closed
+from ngsxfem_contact.growth import extended
 from ngsxfem_contact.paper import MATERIAL
 
 EDGE = [Crack([(0, 0), (0.3, 0)])]

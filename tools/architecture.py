@@ -18,7 +18,7 @@ GROUPS = {
     "forms": "cut_integral form_terms operators elasticity incompressible mouths boundary_samples terms face_traction load",
     "methods": "bordered_matrix schur_complement elimination pardiso active_set box_path nodal_newton cones friction stabilisation nitsche contact_system mixed_system checks conditioning connectivity negligible",
     "problem and solver": "problem supports reactions solver load_steps solution report errors",
-    "reading solutions": "fracture factor_error fracture_solutions tip_fields growth split_mesh plotting closed_forms arc_solution",
+    "reading solutions": "fracture tip_integral factor_error fracture_solutions tip_fields growth split_mesh plotting closed_forms arc_solution",
     "the paper and its study": "paper shapes study analysis figures __main__",
 }
 COLOURS = ("#cfe2f3", "#d9ead3", "#fff2cc", "#f9d5c5", "#ead1dc", "#d9d2e9", "#eeeeee")
