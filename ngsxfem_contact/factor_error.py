@@ -2,7 +2,7 @@
 
 import numpy as np
 
-SPREAD, ROOM = 4, 0.3  # found by benchmarks/k_errors.py
+SPREAD, ROOM = 3, 0.2  # found by benchmarks/k_errors.py
 BRANCH, NONE = 1.5, 3  # where there are no modes to compare with: at tips with the functions (8), and without functions
 
 

@@ -116,6 +116,15 @@ def pressures(solution):
     return solution.multiplier, IfPos(-solution.multiplier - threshold, mean, solution.multiplier)
 
 
+def doubtful_traction(solution):
+    """By how much λ_h differs from the mean of R_h(u_h) + r_0 from both sides where the faces touch, a vector on the cracks; friction goes with it."""
+    body, (multiplier, mean) = solution.body, pressures(solution)
+    direction = body.normal
+    if solution.tangential_multiplier is not None:
+        direction = direction + IfPos(-multiplier, solution.tangential_multiplier / multiplier, 0) * body.tangent
+    return (multiplier - mean) * direction
+
+
 def disks(frame, solution, radius):
     """The radii of the domains of integration: that given, or eight elements if there is room, and parts of it.
 
@@ -140,7 +149,7 @@ def disks(frame, solution, radius):
 class InteractionIntegral:
     """K_I, K_II from I(u, mode): the domain integral with body force and tractions of the lips.
 
-    Where the faces press on each other at the tip (and there is no initial gap) K_I is 0, and what the integral says counts as its error.
+    Where the faces press on each other at the tip (and there is no initial gap) K_I is 0; what the integral says of it is in `by_radius`.
     radius: of the largest domain; default eight elements at the tip, less where there is no room.
     """
 
@@ -153,12 +162,12 @@ class InteractionIntegral:
         integrals = [TipIntegral(solution.problem, frame, radius) for radius in radii]
         scale = 4 * material.mu / (material.kappa + 1)
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
-        first, second = pressures(solution)
-        doubt = [0.5 * scale * integrals[0].OfPressure(first - second, mode) for mode in modes]
+        doubt = [0.5 * scale * integrals[0].OfTraction(doubtful_traction(solution), mode) for mode in modes]
         own = mode_coefficients(solution, tip)
-        error = reported_error(K, doubt, own, frame.h, solution.problem.V.tip_specs[tip])
         closed = is_closed(solution, tip) and not before_tip(solution, frame, solution.problem.gap).any()
-        return StressIntensityFactors(0.0 if closed else float(K[0, 0]), float(K[0, 1]), max(error, closed * abs(float(K[0, 0]))), radii, K, own)
+        sought = slice(1 if closed else 0, 2)
+        error = reported_error(K[:, sought], doubt[sought], own and own[sought], frame.h, solution.problem.V.tip_specs[tip])
+        return StressIntensityFactors(0.0 if closed else float(K[0, 0]), float(K[0, 1]), error, radii, K, own)
 
 
 @dataclass(frozen=True)

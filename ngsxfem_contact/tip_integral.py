@@ -107,9 +107,9 @@ class TipIntegral:
             flow -= sign * along_n
         return self._along(flow)
 
-    def OfPressure(self, pressure, b):
-        """What a pressure p n on the lips of a can do to I(a,b): ∫ q |p n·∂_e jump(b)|."""
-        density = pressure * InnerProduct((b.gradient["plus"] - b.gradient["minus"]) * self.frame.ahead, self.body.normal)
+    def OfTraction(self, traction, b):
+        """What a traction on the lips of a can do to I(a,b): ∫ q |traction·∂_e jump(b)|."""
+        density = InnerProduct((b.gradient["plus"] - b.gradient["minus"]) * self.frame.ahead, traction)
         return self._along(IfPos(density, density, -density))
 
     def _along(self, f):
