@@ -105,10 +105,17 @@ namespace ngsxfem_contact
       Cut FittedEnd (int end, std::optional<Meeting> meeting) const
       {
         auto place = boundary.Nearest(EndPoint(end));
-        if (place.distance <= boundary.Tolerance()) return GivenEnd(end);
+        if (place.distance <= boundary.Tolerance() && !(meeting && IsBehind(end, *meeting))) return GivenEnd(end);
         if (meeting) return CutOff(end, *meeting);
         if (place.distance >= least_end_distance*place.h) return GivenEnd(end);
         return Extended(end, place);
+      }
+
+      /// Whether the crack leaves the body between an end and a point where it meets ∂Ω.
+      bool IsBehind (int end, const Meeting & meeting) const
+      {
+        auto & piece = crack.Piece(meeting.segment);
+        return std::abs(crack.ArcLength(meeting.segment)+piece.ArcLength(meeting.t) - (end ? crack.Length() : 0)) > short_part;
       }
 
       Cut CutOff (int end, const Meeting & meeting) const

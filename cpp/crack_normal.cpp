@@ -56,6 +56,40 @@ namespace ngsxfem_contact
       values(0, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane])); });
   }
 
+  CrackLimit :: CrackLimit (shared_ptr<CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside)
+    : CoefficientFunctionNoDerivative(afunction->Dimension()), body(abody), function(afunction), side(aside)
+  { SetDimensions(function->Dimensions()); }
+
+  double CrackLimit :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  {
+    Vector<> value(Dimension());
+    Evaluate(ip, value);
+    return value(0);
+  }
+
+  void CrackLimit :: Evaluate (const BaseMappedIntegrationPoint & bip, FlatVector<> result) const
+  {
+    auto & ip = static_cast<const MappedIntegrationPoint<2,2>&>(bip);
+    Point x(ip.GetPoint()(0), ip.GetPoint()(1));
+    auto cut = body->Find(ip.GetTransformation().GetElementNr());
+    if (!cut) return function->Evaluate(bip, result);
+    auto & here = cut->CrackAt(body->Cracks(), x);
+    auto & crack = body->GetCrack(here.crack);
+    auto nearest = crack.Nearest(x);
+    Point step = 1e-6*(side ? side : int(here.larger))*here.location->h*Left(crack.Tangent(nearest));
+    Vec<2> off = ip.GetJacobianInverse() * Vec<2>(step(0), step(1));
+    auto at = [&] (double factor, FlatVector<> values)
+    {
+      IntegrationPoint moved(ip.IP()(0)+factor*off(0), ip.IP()(1)+factor*off(1), 0, 0);
+      MappedIntegrationPoint<2,2> mapped(moved, ip.GetTransformation());
+      function->Evaluate(mapped, values);
+    };
+    Vector<> farther(result.Size());
+    at(1, result);
+    at(2, farther);
+    result = 2*result - farther;
+  }
+
   double CrackSide :: Evaluate (const BaseMappedIntegrationPoint & ip) const
   {
     auto x = ip.GetPoint();

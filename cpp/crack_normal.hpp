@@ -6,6 +6,8 @@
 
 namespace ngsxfem_contact
 {
+  using ngfem::CoefficientFunction;
+
   /// n (tangent = false) or t of the crack of the element; elsewhere of the nearest crack.
   class CrackFrame : public ngfem::CoefficientFunctionNoDerivative
   {
@@ -34,6 +36,20 @@ namespace ngsxfem_contact
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
   private:
     double At (size_t element, Point x) const;
+  };
+
+  /// The limit of a function on Γ_C from one side, for functions that jump there: ±1, or 0 for the side of the larger part. It is extrapolated from two
+  /// points beside the crack, so that linear functions are exact.
+  class CrackLimit : public ngfem::CoefficientFunctionNoDerivative
+  {
+    shared_ptr<CrackedMesh> body;
+    shared_ptr<CoefficientFunction> function;
+    int side;
+  public:
+    CrackLimit (shared_ptr<CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside);
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
   };
 
   /// H of one crack: +1 on its plus side, -1 on its minus side.

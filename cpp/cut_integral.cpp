@@ -184,16 +184,20 @@ namespace ngsxfem_contact
         elvec = 0;
         EvaluateForm(trafo, mir, ir.Size(), [&] (ProxyFunction * proxy, ProxyUserData & ud)
         {
+          HeapReset hr(lh);
           FlatMatrix<double> values(ir.Size(), proxy->Dimension(), lh), value(ir.Size(), 1, lh);
-          FlatVector<double> contribution(elvec.Size(), lh);
+          FlatMatrix<double, ColMajor> operator_matrix(proxy->Dimension(), elvec.Size(), lh);
           for (size_t k = 0; k < proxy->Dimension(); k++)
             {
               ud.test_comp = k;
               cf->Evaluate(mir, value);
               for (size_t i = 0; i < ir.Size(); i++) values(i, k) = mir[i].GetWeight() * value(i, 0);
             }
-          proxy->Evaluator()->ApplyTrans(fel, mir, values, contribution, lh);
-          elvec += contribution;
+          for (size_t i = 0; i < ir.Size(); i++)
+            {
+              proxy->Evaluator()->CalcMatrix(fel, mir[i], operator_matrix, lh);
+              elvec += Trans(operator_matrix) * values.Row(i);
+            }
         }, lh);
       }
     };

@@ -576,6 +576,11 @@ class CrackedMesh:
         The two CrackEnds of a crack, its start first.
         """
 
+    def LimitOnCrack(self, function: ngsolve.fem.CoefficientFunction, side: int) -> ngsolve.fem.CoefficientFunction:
+        """
+        The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.
+        """
+
     def MeshNodes(self, crack: int, kinks: bool) -> list[float]:
         """
         Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).

@@ -9,15 +9,15 @@ I(u, mode of unit K) = (κ+1)/(4μ) K, and I(u,u) = 2G.
 from dataclasses import dataclass, field
 
 import numpy as np
-from ngsolve import CF, L2, GridFunction, IfPos, InnerProduct, grad
+from ngsolve import CF, H1, L2, GridFunction, IfPos, InnerProduct, Integrate, grad
 
 from . import _ngsxfem_contact as core
 from .arguments import check_item, check_number, check_whole
 from .factor_error import reported_error
-from .operators import NORMAL, Gradient, NormalGap, NormalStress, Slip
+from .operators import NORMAL, TANGENTIAL, Gradient, NormalGap, NormalStress, Slip
 from .spaces import crack_points
 from .tip_fields import SIDE, TipFrame
-from .tip_integral import GivenStress, TipField, TipIntegral, auxiliary_field, mode_fields
+from .tip_integral import GivenStress, TipField, TipIntegral, auxiliary_field, elements_within, mode_fields
 
 RADII = (1, 0.75, 0.5)  # of the disks that are compared, relative to the largest
 
@@ -91,20 +91,32 @@ def solution_field(solution, frame):
     contact = (0.5 * (multiplier + mean) if straight else multiplier) * body.normal
     if solution.tangential_multiplier is not None:
         contact = contact + solution.tangential_multiplier * body.tangent
+    elif solution.a.joint is not None:  # shear that a joint carries: the mean of what it says and of σ(u_h), as for λ
+        contact = contact + 0.5 * sum(0.5 * solution.Traction(TANGENTIAL, side) for side in SIDE) * body.tangent
     own = solution.FaceTractions()
-    return TipField(gradient, stress, {"plus": contact - own.plus, "minus": contact + own.minus}, applied, given_stress(solution, frame))
+    body_force = lambda field, elements: applied.BodyForce(field, elements) + solution.a.BodyForce(solution.u, field, elements)
+    return TipField(gradient, stress, {"plus": contact - own.plus, "minus": contact + own.minus}, body_force, given_stress(solution, frame))
 
 
 def given_stress(solution, frame):
-    """The GivenStress of a solution, or None; its derivative is that of its projection onto polynomials on each element of the disk."""
+    """The GivenStress of a solution, or None; its derivative is that of its projection onto polynomials on each element.
+
+    Raises ValueError for a stress that jumps near the tip, whose derivative is no function.
+    """
     given = solution.applied.stress
     if given is None:
         return None
-    space = L2(solution.body.mesh, order=solution.problem.V.order + 2)
-    parts = []
+    mesh, order, parts = solution.body.mesh, solution.problem.V.order + 2, []
+    near = solution.body.dx(definedonelements=elements_within(mesh, frame.tip.point, 3 * frame.h))
     for component in given.Reshape((4,)):
-        projected = GridFunction(space)
-        projected.Set(component)
+        projected, continuous = (GridFunction(space(mesh, order=order)) for space in (L2, H1))
+        for function in (projected, continuous):
+            function.Set(component)
+        jump, size = (Integrate(f * f * near, mesh) for f in (projected - continuous, projected))
+        if jump > 1e-6 * size:
+            raise ValueError(
+                f"the given stress jumps near the tip {frame.tip.point}, so that K, G and T-stress cannot be told; give a continuous one there, such as a GridFunction of H1"
+            )
         parts.append(InnerProduct(grad(projected), frame.ahead))
     return GivenStress(given, CF(tuple(parts), dims=(2, 2)))
 
@@ -112,6 +124,8 @@ def given_stress(solution, frame):
 def pressures(solution):
     """λ_h, and instead of it, where the faces touch, the mean of R_h(u_h) + r_0 from both sides: both ≤ 0 in exact contact."""
     mean = sum(0.5 * solution.Traction(NORMAL, side) for side in SIDE)
+    if solution.a.joint is not None:
+        return solution.multiplier, mean  # a joint carries what λ does not
     threshold = 1e-10 * np.abs(solution.multiplier.vec.FV().NumPy()).max()
     return solution.multiplier, IfPos(-solution.multiplier - threshold, mean, solution.multiplier)
 
@@ -131,7 +145,8 @@ def disks(frame, solution, radius):
     Raises ValueError if a disk leaves the body or the material of the tip, meets another crack, a point load or a loaded inner interface, or
     has less than two elements in its radius.
     """
-    room, limit = frame.Clearance(solution.problem.material, solution.applied)
+    solution.CheckLoad()
+    room, limit = frame.Clearance(solution.problem.material, solution.applied.Obstacles(frame.tip.point) + solution.a.Obstacles(frame.tip.point))
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
     check_number(radius, f"the domain at the tip {frame.tip.point}: radius", lambda radius: radius > 0, "be positive")
@@ -248,8 +263,9 @@ def t_stress(solution, tip, radius):
     u, radii = solution_field(solution, frame), disks(frame, solution, radius)
     force = auxiliary_field(frame, material, dict.fromkeys((None, *SIDE), frame.PointForceGradient(material)))
     strain = np.array([TipIntegral(solution.problem, frame, r)(u, force) for r in radii])
-    T = 8 * material.mu / (material.kappa + 1) * strain + constant_at_tip(solution, frame, material)
-    return TStress(float(T[0]), float(np.ptp(T)), radii, T)
+    constant, doubt = constant_at_tip(solution, frame, material)
+    T = 8 * material.mu / (material.kappa + 1) * strain + constant
+    return TStress(float(T[0]), float(np.ptp(T)) + doubt, radii, T)
 
 
 def before_tip(solution, frame, function):
@@ -264,13 +280,15 @@ def is_closed(solution, tip):
 
 
 def constant_at_tip(solution, frame, material):
-    """σ_nn + σ⁰_ee - ν' σ⁰_nn in the mean over the last element before a tip: what the lips carry, and the given stress."""
+    """(σ_nn + σ⁰_ee - ν' σ⁰_nn at a tip, its doubt): what the lips carry, and the given stress, as a line through the last element says, and half of what bends it."""
     given, normal, tractions = solution.applied.stress, solution.body.normal, solution.FaceTractions()
     constant = solution.multiplier - 0.5 * InnerProduct(tractions.plus - tractions.minus, normal)
     if given is not None:
         ratio = (3 - material.kappa) / (1 + material.kappa)
         constant = constant + InnerProduct(given * frame.ahead, frame.ahead) - ratio * NormalStress(given, solution.body)
-    return float(np.mean(before_tip(solution, frame, constant)))
+    values, along = before_tip(solution, frame, constant), np.linspace(0.05, 1, 20)
+    line, parabola = (np.polyval(np.polyfit(along, values, degree), 0.0) for degree in (1, 2))
+    return float(line), 0.5 * abs(float(line - parabola))
 
 
 def energy_release_rate(solution, tip, radius):

@@ -131,7 +131,12 @@ class LevelSetChain:
     def Value(self, cf, points):
         """Of a function at points (n, 2); raises ValueError where it is not finite."""
         points = np.asarray(points, dtype=float)
-        values = np.ravel(cf(self.mesh(*points.T)))
+        try:
+            values = np.ravel(cf(self.mesh(*points.T)))
+        except Exception:
+            raise ValueError(
+                "Crack.LevelSet: the function is evaluated on straight edges, which leave the body at a curved boundary; take the level set on the mesh before mesh.Curve, or Crack.Curve"
+            ) from None
         if not np.isfinite(values).all():
             i = int(np.flatnonzero(~np.isfinite(values))[0])
             raise ValueError(

@@ -256,13 +256,15 @@ class CrackGrowth:
             return False
         longer = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, None if row.angle == 0 else tuple(point), tuple(point + way * direction)))
         try:
-            if any((tip.crack, ENDS[int(tip.s > 0)]) == (row.crack, row.end) for tip in CrackedMesh(solution.body.mesh, *longer).tips):
-                return False
+            fitted = CrackedMesh(solution.body.mesh, *longer)
         except Exception:  # of the core, as in _grow
             return False
         key = row.crack, row.end
-        self._next, row.advance, row.state = (longer, cycles), way, GROWS
-        self._cut[key] = end = tuple(map(float, point + way * direction))
+        if any((tip.crack, ENDS[int(tip.s > 0)]) == key for tip in fitted.tips):
+            return False
+        end = fitted.cracks[row.crack].points[0 if row.end == "start" else -1]  # on the curve of ∂Ω
+        self._next, row.advance, row.state = (fitted.cracks, cycles), float(np.hypot(*np.subtract(end, point))), GROWS
+        self._cut[key] = end
         self._ended[key] = f"has cut the body: it reached the boundary at ({end[0]:.6g}, {end[1]:.6g})"
         return True
 

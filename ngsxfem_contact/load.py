@@ -9,9 +9,21 @@ from ngsolve import BND, Integrate, LinearForm, fem
 from . import _ngsxfem_contact as core
 from .face_traction import FaceTractions, Joint
 from .segments import distance_to_segments
-from .terms import checked_terms, coefficient_of_gradient, coefficient_of_limits, elements_of, place_of, replaced, tested, unit_limits, unit_vectors
+from .terms import (
+    check_linear,
+    check_symmetric,
+    checked_terms,
+    coefficient_of_gradient,
+    coefficient_of_limits,
+    elements_of,
+    place_of,
+    replaced,
+    sample_points,
+    tested,
+)
 
 NAME_F, NAME_A = "problem.f", "problem.a"
+SIDES = ("minus", "larger", "plus")
 
 
 class LoadForm(LinearForm):
@@ -36,6 +48,8 @@ class LoadForm(LinearForm):
         terms = checked_terms(form, self.V, NAME_F)
         if any(term.trial for term in terms):
             raise ValueError(f"{NAME_F}: a linear form holds no trial function; springs and elastic joints are added to {NAME_A}")
+        for term in terms:
+            check_linear(term, NAME_F)
         return [GivenTerm(term) for term in terms]
 
 
@@ -54,7 +68,7 @@ class PointLoad:
     tractions = stress = None
 
     def __init__(self, functional):
-        self.point = core.PointOf(functional)
+        self.form, self.point = functional, core.PointOf(functional)
 
     def BodyForce(self, field, elements):
         """0: domains of integration keep clear of the point."""
@@ -69,7 +83,7 @@ class GivenTerm:
     """One integral of a load. tractions: what it does on the faces, or None.    stress: the given stress σ⁰ that it is, or None."""
 
     def __init__(self, term):
-        self.term, self.place = term, place_of(term)
+        self.term, self.form, self.place = term, term.form, place_of(term)
 
     @cached_property
     def tractions(self):
@@ -97,10 +111,7 @@ class GivenTerm:
 
     @cached_property
     def _inner_interface(self):
-        mesh = self.term.body.mesh
-        chosen = elements_of(self.term)
-        inner = [el for el in mesh.Elements(BND) if chosen[el.nr] and len(mesh[el.edges[0]].elements) > 1]
-        return tuple(np.array([mesh[el.vertices[i]].point for el in inner]).reshape(-1, 2) for i in range(2))
+        return inner_interface(self.term)
 
 
 @dataclass(frozen=True)
@@ -139,15 +150,48 @@ class AppliedLoad:
     def Shift(self, component, side, body):
         """r_0 of a side: the given part of what the multiplier is compared with."""
         shift = self.tractions.Shift(component, side, body)
-        return shift if self.stress is None else shift + component.traction(self.stress, body)
+        return shift if self.stress is None else shift + component.traction(body.LimitOnCrack(self.stress, SIDES.index(side) - 1), body)
 
     def BodyForce(self, field, elements):
         """∫ f·field, f the body force, over some elements (BitArray) in which the field is not zero."""
         return sum(factor * given.BodyForce(field, elements) for factor, given in self.parts if factor)
 
+    def Vector(self, V):
+        """F of what was applied, with the values that its coefficients have now."""
+        total = np.zeros(V.ndof)
+        for factor, given in self.parts:
+            form = LinearForm(V)
+            form += given.form
+            total += factor * form.Assemble().vec.FV().NumPy()
+        return total
+
     def Obstacles(self, point):
         """What a domain of integration around a point must not meet: pairs (distance, what)."""
         return [given.Obstacle(point) for factor, given in self.parts if factor]
+
+
+def check_unchanged(applied, F, V, when):
+    """Raises ValueError if the coefficients of an AppliedLoad do not give F any more."""
+    now = applied.Vector(V)
+    if not np.allclose(now, F, rtol=1e-9, atol=1e-9 * np.abs(F).max(initial=0)):
+        raise ValueError(
+            f"a coefficient of the load, such as a Parameter, has changed since {when}, and what is asked needs its value then: set it back, or make it anew"
+        )
+
+
+def check_symmetric_stress(form):
+    """Raises ValueError for an initial stress, as a LoadForm, whose matrix is not symmetric."""
+    for given in form.given:
+        xx, xy, yx, yy = (np.ravel(given.stress[i, j](sample_points(given.term))) for i in (0, 1) for j in (0, 1))
+        if not np.allclose(xy, yx, atol=1e-10 * np.abs([xx, xy, yx, yy]).max(initial=0), equal_nan=True):
+            raise ValueError("ContactProblem: initial_stress is not symmetric; give CF((xx, xy, xy, yy), dims=(2, 2))")
+
+
+def inner_interface(term):
+    """The ends a, b (n, 2) of the boundary elements of a term over the boundary that lie inside of the body."""
+    mesh, chosen = term.body.mesh, elements_of(term)
+    inner = [el for el in mesh.Elements(BND) if chosen[el.nr] and len(mesh[el.edges[0]].elements) > 1]
+    return tuple(np.array([mesh[el.vertices[i]].point for el in inner]).reshape(-1, 2) for i in range(2))
 
 
 class StiffnessForm:
@@ -163,7 +207,7 @@ class StiffnessForm:
     def __iadd__(self, form):
         terms = checked_terms(form, self.V, NAME_A)
         for term in terms:
-            check_symmetric(term)
+            check_bilinear(term)
         self.terms += terms
         return self
 
@@ -180,6 +224,23 @@ class StiffnessForm:
             form += term.form.Replace(replaced(term.trial, operator))
         return form.Assemble().vec.FV().NumPy().copy() if self.terms else np.zeros(self.V.ndof)
 
+    def Copy(self):
+        """The terms that there are now."""
+        copy = StiffnessForm(self.V)
+        copy.terms = list(self.terms)
+        return copy
+
+    def BodyForce(self, u, field, elements):
+        """∫ f·field over some elements (BitArray), f what foundations in the body exert for a GridFunction u."""
+        of = lambda term: replaced(term.trial, {"Id": u}.get) | replaced(term.test, {"Id": field}.get)
+        bulk = [term.form.Replace(of(term)) for term in self.terms if place_of(term) == "bulk"]
+        return -sum(Integrate(core.InnerIntegrals(form, elements), self.V.mesh) for form in bulk)
+
+    def Obstacles(self, point):
+        """What a domain of integration around a point must not meet: inner interfaces on springs."""
+        ends = [inner_interface(term) for term in self.terms if place_of(term) == "boundary"]
+        return [(distance_to_segments(a, b, np.asarray(point)), "an inner interface on springs") for a, b in ends]
+
     @property
     def joint(self):
         """The Joint of the terms over the cracks, or None."""
@@ -187,16 +248,11 @@ class StiffnessForm:
         return Joint(terms) if terms else None
 
 
-def check_symmetric(term):
-    """Raises ValueError for a bilinear term without trial or test function, with gradients, or without symmetry."""
+def check_bilinear(term):
+    """Raises ValueError for a term without trial or test function, with gradients, that is not linear in either, or not symmetric."""
     if not term.trial or not term.test:
         raise ValueError(f"{NAME_A}: a term needs a trial and a test function, u and v of V.TnT(); loads are added to {NAME_F}")
-    names = sorted({core.OperatorName(proxy) for proxy in (*term.trial, *term.test)})
-    if "grad" in names:
+    if any(core.OperatorName(proxy) == "grad" for proxy in (*term.trial, *term.test)):
         raise ValueError(f"{NAME_A}: terms in gradients belong to the material; here are springs and joints, terms in u, v and their limits on cracks")
-    on_crack = place_of(term) == "crack"
-    units = [u.Operator for pair in unit_limits() for u in pair] if on_crack else [{"Id": e}.get for e in unit_vectors()]
-    form = lambda a, b: Integrate(tested(term, b).Replace(replaced(term.trial, a)), term.body.mesh)
-    moments = np.array([[form(a, b) for a in units] for b in units])
-    if not np.allclose(moments, moments.T, atol=1e-10 * np.abs(moments).max()):
-        raise ValueError(f"{NAME_A}: a term is not symmetric in u and v; the solver needs a(u, v) = a(v, u)")
+    check_linear(term, NAME_A)
+    check_symmetric(term, NAME_A)

@@ -2,7 +2,7 @@
 
 from .arguments import check_number, check_options, check_type
 from .checks import check_load
-from .load import AppliedLoad
+from .load import AppliedLoad, check_unchanged
 from .progress import doing
 from .solver import STEP_OPTIONS, ReducedProblem
 
@@ -48,6 +48,8 @@ class LoadSteps:
             check_type(case, LoadCase, "LoadSteps: a case", "a LoadCase(problem)")
             if case.held != frozenset(problem.supports.sides):
                 raise ValueError("LoadSteps: SetDirichlet has freed or fixed components since a load case was made; all cases need the same ones")
+            if case.applied.acts_on_faces:
+                check_unchanged(case.applied, case.F, problem.V, "a LoadCase was made")
         with doing("load steps"):
             self.reduced = ReducedProblem(problem, inverse)
         self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied, case.jumps) for case in cases]

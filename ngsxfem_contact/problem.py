@@ -3,7 +3,7 @@
 from numbers import Real
 
 import numpy as np
-from ngsolve import CoefficientFunction, InnerProduct, Parameter
+from ngsolve import CoefficientFunction, InnerProduct, Parameter, dx
 
 from . import _ngsxfem_contact as core
 from .arguments import INFINITY, check_function, check_item, check_number, check_options, check_type
@@ -13,7 +13,7 @@ from .elasticity import Isotropic
 from .face_traction import ComparedTraction
 from .friction import Friction, Frictionless
 from .incompressible import is_projected, projection_degree, warn_of_locking
-from .load import LoadForm, StiffnessForm, load_form
+from .load import LoadForm, StiffnessForm, check_symmetric_stress, load_form
 from .mixed_system import MixedSystem
 from .operators import Gradient, Minus, Plus
 from .solver import STEP_OPTIONS, solve
@@ -37,11 +37,18 @@ def given_stresses(material, initial_stress, temperature):
         initial_stress = check_function(initial_stress, "ContactProblem: initial_stress", 4)
         if tuple(initial_stress.dims) != (2, 2):
             raise ValueError("ContactProblem: initial_stress must be a 2 × 2 matrix, CF((xx, xy, xy, yy), dims=(2, 2))")
+        check_no_function(initial_stress)
         yield initial_stress
     if temperature is not None:
         if isinstance(material.alpha, Real) and material.alpha == 0:
             raise ValueError("ContactProblem: temperature= needs a material that expands: Elasticity.PlaneStrain(E, nu, alpha=...)")
         yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
+
+
+def check_no_function(stress):
+    """Raises ValueError for an initial stress that holds trial or test functions."""
+    if core.TermsOf(stress[0, 0] * dx)[0].test or core.TermsOf(stress[0, 0] * dx)[0].trial:
+        raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
 
 
 def material_of(V, material):
@@ -113,6 +120,7 @@ class ContactProblem:
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
         for stress in given_stresses(material, initial_stress, temperature):
             self.initial += -InnerProduct(stress, Gradient(V.TestFunction())) * V.body.dx
+        check_symmetric_stress(self.initial)
         self.supports = Supports(V)
 
     @property
@@ -141,23 +149,24 @@ class ContactProblem:
         if form is not self._a:
             raise TypeError(f"problem.a cannot be replaced by {form!r}; add terms to it, problem.a += ...")
 
-    def FacePressure(self, p, crack=None):
+    def FacePressure(self, p, crack=None, bonus_intorder=0):
         """Adds a pressure on both faces, of a fluid in the crack: it opens the crack where p > 0, and λ ≤ 0 carries what it leaves.
 
-        p: number or CoefficientFunction, a stress.    crack: number of the crack, default all of them.
+        p: number or CoefficientFunction, a stress.    crack: number of the crack, default all of them.    bonus_intorder: for functions that are no
+            polynomials along the crack.
         """
         p = check_function(p, "FacePressure: p", 1)
-        self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack)
+        self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack, bonus_intorder)
 
-    def FaceTraction(self, plus=(0, 0), minus=(0, 0), crack=None):
+    def FaceTraction(self, plus=(0, 0), minus=(0, 0), crack=None, bonus_intorder=0):
         """Adds tractions on the plus and on the minus face, forces on the body for each unit of length: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
 
-        plus, minus: CoefficientFunctions with two components or tuples, stresses.    crack: number of the crack, default all of them.
+        plus, minus: CoefficientFunctions with two components or tuples, stresses.    crack, bonus_intorder: as for FacePressure.
         """
         plus, minus = (check_function(t, f"FaceTraction: {name}", 2) for t, name in ((plus, "plus"), (minus, "minus")))
         if crack is not None:
             check_item(crack, self.body.cracks, "crack", "body.cracks")
-        v, measure = self.V.TestFunction(), self.body.dcrack if crack is None else self.body.dcrack(crack=crack)
+        v, measure = self.V.TestFunction(), self.body.dcrack(crack=crack, bonus_intorder=bonus_intorder)
         self.f += (plus * Plus(v) + minus * Minus(v)) * measure
 
     @property
@@ -194,9 +203,9 @@ class ContactProblem:
         """
         self.supports.SetDirichlet(value, region)
 
-    def ComparedTraction(self):
-        """R_h of this problem: a ComparedTraction."""
-        return ComparedTraction(self.body, self.material, self.stabilisation.sides, self.a.joint)
+    def ComparedTraction(self, a=None):
+        """R_h of this problem: a ComparedTraction.    a: springs and joints, a StiffnessForm; default those of the problem."""
+        return ComparedTraction(self.body, self.material, self.stabilisation.sides, (self.a if a is None else a).joint)
 
     def Gamma(self):
         """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""

@@ -93,7 +93,8 @@ class Supports:
         for number in regions:
             samples = self.samples.Values(value, number)
             for k in components:
-                dofs = np.setdiff1d(self._declared[number, k].dofs, short)
+                declared = self._declared[number, k].dofs
+                dofs = np.setdiff1d(declared, short) if np.nanmax(np.abs(samples[:, k]), initial=0) > 0 else declared  # zero is what the space holds
                 sides[number, k] = HeldSide(dofs, values[dofs], samples[:, k], explicit=True)
         self._check_pins(self.pins, sides)
         kept = {key: side for key, side in self.sides.items() if key[0] not in regions}

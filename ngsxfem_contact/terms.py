@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
 
 from . import _ngsxfem_contact as core
-from .spaces import mask
+from .spaces import crack_points, mask
 
 LIMITS = ("plus", "minus", "jump")
 ALLOWED = {"bulk": ("Id", "grad"), "boundary": ("Id",), "crack": LIMITS}
@@ -92,14 +92,17 @@ def replaced(functions, operator):
 def tested(term, operator):
     """The form of a term with its test functions replaced by operator(name), None for zero.
 
-    Raises ValueError for a term with a compiled part, which NGSolve does not look into.
+    Raises ValueError for a term with a part that NGSolve does not look into.
     """
     try:
         return term.form.Replace(replaced(term.test, operator))
     except Exception as error:
-        if "Compiled" not in str(error):
+        if "Transform not" not in str(error):
             raise
-        raise ValueError("a term of problem.f or problem.a holds a compiled function, whose parts cannot be told apart; leave out its Compile()") from None
+        raise ValueError(
+            "a term of problem.f or problem.a holds a function whose parts NGSolve does not tell apart (compiled, Inv, or an InnerProduct of a function with "
+            f"itself: write X*X or Norm(X)**2); interpolate it by a GridFunction, or write it in other words ({error})"
+        ) from None
 
 
 def coefficient_of_limits(term):
@@ -147,3 +150,74 @@ def elements_of(term):
     index = np.array([el.index for el in mesh.Elements(BND)]) if term.on_boundary else mesh.ngmesh.Elements2D().NumPy()["index"] - 1
     chosen = chosen_of(term.elements, len(index))
     return chosen if term.regions is None else chosen & mask(term.regions)[index]
+
+
+def sample_points(term, number=12):
+    """NGSolve's mesh points at which a term is looked at: in the middle of some of its elements, on the boundary, or on a crack."""
+    mesh, place = term.body.mesh, place_of(term)
+    if place == "crack":
+        crack = term.crack or 0
+        length = term.body.cracks[crack].length
+        return crack_points(term.body, crack, (np.arange(number) + 0.37) / number * length)
+    chosen = np.flatnonzero(elements_of(term))
+    chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, number).astype(int))] if len(chosen) else chosen
+    x, y = np.full(len(chosen), 0.3), np.full(len(chosen), 0.0 if place == "boundary" else 0.4)
+    points = (
+        mesh(np.full(len(chosen), 0.5), np.zeros(len(chosen)), VOL_or_BND=BND) if place == "boundary" else crack_points(term.body, 0, np.zeros(len(chosen)))
+    )
+    points["nr"], points["x"], points["y"] = chosen, x, y
+    return points
+
+
+def values_of(term, test, trial=None):
+    """The integrand at some points, its functions replaced by test(name) and trial(name), see `replaced`."""
+    form = tested(term, test)
+    form = form.Replace(replaced(term.trial, trial)) if term.trial else form
+    return np.ravel(form[0].coef(sample_points(term)))
+
+
+def combined(weights, fields):
+    """Σ weight × field."""
+
+    def operator(name):
+        if fields[0](name) is None:
+            return None
+        first, *others = (weight * field(name) for weight, field in zip(weights, fields))
+        return sum(others, first)
+
+    return operator
+
+
+def check_linear(term, name):
+    """Raises ValueError for a term without a test function, or that is not linear in its test and its trial function."""
+    if not term.test:
+        if not np.any(term.integrand(sample_points(term))):
+            return  # what NGSolve makes of a load that is zero
+        raise ValueError(f"{name}: a term has no test function; write force*v*body.dx, v a test function of the problem's V")
+    fields = fields_of(term)
+    some, other = combined((0.7, 0.3, -0.5, 0.2), fields), combined((-0.4, 0.9, 0.6, -0.8), fields)
+    as_test, as_trial = (lambda field: values_of(term, field, some)), (lambda field: values_of(term, some, field))
+    for at in (as_test, as_trial) if term.trial else (as_test,):
+        first, second = at(some), at(other)
+        size = max(np.abs(first).max(initial=0), np.abs(second).max(initial=0))
+        if not np.isfinite(size):
+            return  # found when it is assembled
+        for a, b in ((0.0, 0.0), (-2.0, 0.0), (1.0, 1.0)):
+            if not np.allclose(at(combined((a, b), (some, other))), a * first + b * second, rtol=1e-9, atol=1e-9 * size):
+                raise ValueError(f"{name}: a term is not linear in its test or trial function; only linear terms have a place here")
+
+
+def check_symmetric(term, name):
+    """Raises ValueError for a bilinear term that is not symmetric."""
+    fields = fields_of(term)
+    values = np.array([[values_of(term, b, a) for a in fields] for b in fields])
+    if not np.allclose(values, values.swapaxes(0, 1), atol=1e-10 * np.abs(values).max(initial=0)):
+        raise ValueError(f"{name}: a term is not symmetric in u and v; the solver needs a(u, v) = a(v, u)")
+
+
+def fields_of(term):
+    """Constant fields as functions of the operators' names: on a crack on one face at a time, elsewhere with a gradient of their own."""
+    if place_of(term) == "crack":
+        return [u.Operator for pair in unit_limits() for u in pair]
+    gradients = [CF(tuple(row), dims=(2, 2)) for row in np.eye(4)[:2].tolist()]
+    return [{"Id": e, "grad": g}.get for e, g in zip(unit_vectors(), gradients)]

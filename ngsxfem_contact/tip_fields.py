@@ -84,15 +84,15 @@ class TipFrame:
         rows = [scale * ((cos * dr - sin * dt) * self.ahead + (sin * dr + cos * dt) * self.left) for dr, dt in zip(along_r, across)]
         return self._matrix(rows)
 
-    def Clearance(self, material=None, load=None):
+    def Clearance(self, material=None, obstacles=()):
         """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
 
         material: with that of several regions also of the regions that are not of the tip's material.
-        load: an AppliedLoad; also of its point loads and of inner interfaces that it loads.
+        obstacles: further pairs (distance, what).
         """
         point, crack = np.array(self.tip.point), self.crack
         found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]
-        found += load.Obstacles(point) if load is not None else []
+        found += obstacles
         if hasattr(material, "regions"):
             found.append((distance_to_others(self.body.mesh, point, material), "another material"))
         for number, other in enumerate(self.body.cracks):

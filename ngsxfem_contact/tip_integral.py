@@ -8,12 +8,12 @@ With the direction e ahead, and σ = σ(u) + σ⁰ with a given stress σ⁰,
 q = 1 at the tip, 0 outside of a disk, ν outward.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from ngsolve import CF, BitArray, CoefficientFunction, IfPos, InnerProduct, Integrate
 
-from .load import AppliedLoad
 from .spaces import crack_points
 from .split_mesh import mesh_arrays
 from .tip_fields import SIDE
@@ -29,7 +29,8 @@ class GivenStress:
 
 @dataclass
 class TipField:
-    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions on the lips, an AppliedLoad or None, and a GivenStress or None.
+    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions on the lips, ∫ f·field as a
+    function of a field and elements or None, and a GivenStress or None.
 
     stress: C:ε(u), without the given part.    traction: of the whole stress, σn.
     """
@@ -37,7 +38,7 @@ class TipField:
     gradient: dict
     stress: dict
     traction: dict
-    load: AppliedLoad | None = None
+    body_force: Callable | None = None
     given: GivenStress | None = None
 
     def Whole(self, side):
@@ -92,7 +93,7 @@ class TipIntegral:
     def _load(self, one, other):
         """∫ q (f·∂_e + ∂_e σ⁰:∇) of the other field, f and σ⁰ of the one."""
         moved = lambda: (self.q * (other.gradient[None] * self.frame.ahead)).Compile()
-        work = one.load.BodyForce(moved(), self.elements) if one.load is not None else 0.0
+        work = one.body_force(moved(), self.elements) if one.body_force is not None else 0.0
         if one.given is not None:
             work += Integrate((self.q * InnerProduct(one.given.ahead, other.gradient[None])).Compile() * self.disk, self.mesh)
         return work

@@ -245,6 +245,9 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("larger_side", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
          { return make_shared<CrackLabel>(b, [] (const ElementCrack & here) { return double(int(here.larger)); }); },
          "On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction.")
+    .def("LimitOnCrack", [] (shared_ptr<CrackedMesh> b, shared_ptr<CoefficientFunction> function, int side) -> shared_ptr<CoefficientFunction>
+         { return make_shared<CrackLimit>(b, function, side); }, py::arg("function"), py::arg("side"),
+         "The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.")
     .def_property_readonly("crack_number", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
          { return make_shared<CrackLabel>(b, [] (const ElementCrack & here) { return double(here.crack); }); },
          "On the cracks the number of the crack: a CoefficientFunction.")

@@ -5,7 +5,27 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers import rectangle
-from ngsolve import BND, CF, BilinearForm, Grad, GridFunction, InnerProduct, Integrate, SetNumThreads, Sym, VectorH1, ds, dx, exp, specialcf, sqrt, x, y
+from ngsolve import (
+    BND,
+    CF,
+    BilinearForm,
+    Grad,
+    GridFunction,
+    IfPos,
+    InnerProduct,
+    Integrate,
+    Parameter,
+    SetNumThreads,
+    Sym,
+    VectorH1,
+    ds,
+    dx,
+    exp,
+    specialcf,
+    sqrt,
+    x,
+    y,
+)
 
 from ngsxfem_contact import (
     BarbosaHughes,
@@ -17,6 +37,7 @@ from ngsxfem_contact import (
     CrackFESpace,
     Elasticity,
     Jump,
+    LoadCase,
     LoadSteps,
     Minus,
     Nitsche,
@@ -25,6 +46,7 @@ from ngsxfem_contact import (
     TraceSpace,
 )
 from ngsxfem_contact import fracture_solutions as fs
+from ngsxfem_contact.closed_forms import open_tip
 from ngsxfem_contact.operators import NormalGap
 from ngsxfem_contact.paper import PAIRS
 
@@ -332,3 +354,104 @@ def test_a_point_load_outside_of_the_disk_leaves_K_available():
             with pytest.raises(ValueError, match="point load"):
                 pushed.Solve().StressIntensity(0, radius=0.38)
     assert np.abs(np.subtract(*K)).max() < 0.02 * np.hypot(*K[0])
+
+
+# What is given may jump across a crack, change later, or not be linear
+
+
+@pytest.mark.parametrize("method", ["larger", "θ = 1", "θ = -1"])
+@pytest.mark.parametrize("heated", [1, -1], ids=["above", "below"])
+def test_a_temperature_that_jumps_across_the_crack(method, heated):
+    """A bar on rollers, ν = 0, one half of it heated: λ = -E α ΔT (1 - y_0) or -E α ΔT y_0, and no gap."""
+    y0 = 0.43
+    body = CrackedMesh(square(), Crack([(0, y0), (1, y0)]))
+    V = CrackFESpace(body, order=2, dirichletx="left|right", dirichlety="bottom|top", material=Elasticity.PlaneStrain(E=1, nu=0, alpha=0.1))
+    bar = ContactProblem(V, TraceSpace(body), stabilisation=METHODS[method], temperature=10 * IfPos(heated * (y - y0), 1, 0))
+    profile = bar.Solve().Profile(n=31)
+    right = -((1 - y0) if heated > 0 else y0)
+    assert np.abs(profile.sigma_n - right).max() < 1e-9 and np.abs(profile.gap).max() < 1e-10
+
+
+def test_limits_on_a_crack_are_one_sided():
+    body = CrackedMesh(square(), THROUGH)
+    jumping = (2 + 3 * x - y) * IfPos(THROUGH.side, 1, -1)
+    for side, sign in ((1, 1), (-1, -1)):
+        assert Integrate((body.LimitOnCrack(jumping, side) - sign * (2 + 3 * x - y)) ** 2 * body.dcrack, square()) < 1e-18
+
+
+def test_a_load_case_keeps_its_parameters():
+    p = Parameter(0.6)
+    pressed = problem()
+    pressed.FacePressure(-1 * p)
+    case = LoadCase(pressed)
+    assert LoadSteps(pressed, [case]).Solve(2).ContactForce() == pytest.approx(-1.2 * THROUGH.length, rel=1e-9)
+    solution = pressed.Solve()
+    p.Set(0.3)
+    with pytest.raises(ValueError, match="has changed since a LoadCase"):
+        LoadSteps(pressed, [case])
+    with pytest.raises(ValueError, match="has changed since the solve"):
+        solution.CheckLoad()
+
+
+def test_the_T_stress_of_a_bent_crack_without_stress():
+    """An initial stress in a body that nothing holds: the whole stress is zero."""
+    given = CF((0.3, 0.1, 0.1, 0.8), dims=(2, 2))
+    free = problem(
+        Crack.Arc((0.3, 0.45), (0.5, 0.55), (0.7, 0.45)), mesh=square(0.06), held="", initial_stress=given, tip=TipEnrichment(material=MATERIAL), gap=10
+    )
+    free.Pin((0, 0), "xy"), free.Pin((1, 0), "y")
+    assert abs(float(free.Solve().TStress(1))) < 2e-3
+
+
+@pytest.mark.parametrize("k", [1, 20])
+def test_a_foundation_is_a_body_force_in_K(k):
+    """The field of K_I = 1 with the load that balances springs in the body: K, G and T do not depend on k."""
+    exact = open_tip(MATERIAL, tip=0.5).u
+    shifted = problem(Crack([(0, 0), (0.5, 0)]), mesh=rectangle(0.07, (0, -0.5), (1, 0.5)), tip=TipEnrichment(material=MATERIAL))
+    u, v = shifted.V.TnT()
+    shifted.SetDirichlet(exact, ".*")
+    shifted.a += k * u * v * shifted.body.dx
+    shifted.f += k * exact * v * shifted.body.dx(bonus_intorder=4)
+    solution = shifted.Solve()
+    assert solution.StressIntensity(0).K_I == pytest.approx(1, abs=2e-3)
+    assert float(solution.EnergyReleaseRate(0)) == pytest.approx(1 - 0.3**2, rel=3e-3) and abs(float(solution.TStress(0))) < 2e-3
+
+
+def test_the_error_of_K_covers_what_a_joint_hides():
+    """A stiff joint under pressure: the jump is p/k inside, so G = p²/2k, which the J-integral finds."""
+    filled = problem(Crack([(-0.4, 0), (0.4, 0)]), mesh=rectangle(0.1, (-1, -1), (1, 1)), held="bottom|top", tip=TipEnrichment(material=MATERIAL))
+    u, v = filled.V.TnT()
+    filled.a += 100 * Jump(u) * Jump(v) * filled.body.dcrack
+    filled.FacePressure(1)
+    K = filled.Solve().StressIntensity(1)
+    assert abs(K.K_I - np.sqrt(0.005 / (1 - 0.3**2))) < K.error
+
+
+def test_a_given_stress_that_jumps_at_a_tip_is_refused():
+    stepped = problem(
+        Crack([(0, 0.5), (0.5, 0.503)]),
+        mesh=square(0.08),
+        tip=TipEnrichment(material=MATERIAL),
+        initial_stress=CF((0, 0, 0, IfPos(x - 0.55, 5, 0)), dims=(2, 2)),
+    )
+    with pytest.raises(ValueError, match="jumps near the tip"):
+        stepped.Solve().StressIntensity(0)
+
+
+NOT_LINEAR = {
+    "square": lambda p, u, v: p.f.__iadd__(v * v * p.body.dx),
+    "shifted": lambda p, u, v: p.f.__iadd__((v[0] + 1) * p.body.dx),
+    "root": lambda p, u, v: p.f.__iadd__(sqrt(1 + v[0] ** 2) * p.body.ds("top")),
+    "no test function": lambda p, u, v: p.f.__iadd__(5 * p.body.dx),
+    "pushes only": lambda p, u, v: p.a.__iadd__(IfPos(-u[1], 1, 0) * u[1] * v[1] * p.body.ds("bottom")),
+    "cubic": lambda p, u, v: p.a.__iadd__(u[1] ** 3 * v[1] * p.body.ds("bottom")),
+    "initial stress": lambda p, u, v: problem(initial_stress=CF((0, 0.5, 0, 0), dims=(2, 2))),
+    "test function in it": lambda p, u, v: problem(initial_stress=Grad(v)),
+}
+
+
+@pytest.mark.parametrize("name", NOT_LINEAR)
+def test_forms_that_are_not_linear_are_refused(name):
+    p = problem(held="top")
+    with pytest.raises(ValueError, match="linear|no test function|symmetric|holds a trial or test"):
+        NOT_LINEAR[name](p, *p.V.TnT())

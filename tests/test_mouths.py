@@ -308,3 +308,10 @@ def test_a_fixed_inner_boundary_in_a_disk_is_refused():
 def test_a_mouth_on_a_structured_grid_stays_where_it_is():
     body = CrackedMesh(structured(4), Crack([(0, 0.25 + 1e-13), (0.6, 0.4)]))
     assert body.Ends(0)[0].kind == EndKind.Mouth and body.notes == []
+
+
+@pytest.mark.parametrize("start", [0.0, -1e-9, -0.01])
+def test_a_start_on_the_boundary_from_which_the_crack_leaves_the_body(start):
+    """What lies outside is cut off, wherever it begins."""
+    body = CrackedMesh(rectangle(0.1), Crack([(start, 0.45), (-0.05, 0.5), (0.4, 0.55)]))
+    assert body.cracks[0].points[0] == pytest.approx((0, 0.5 + 0.05 / 9), abs=1e-12) and len(body.notes) == 1

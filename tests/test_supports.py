@@ -321,3 +321,16 @@ def test_flags_that_are_refused(flags, error, message):
 def test_free_rollers_are_rigid_motions():
     with pytest.raises(SingularSystem, match="1 rigid motion"):
         load(problem(dirichlety="bottom"), (0, 1)).Solve()
+
+
+@pytest.mark.parametrize("d", [1e-3, 1e-5, 1e-7])
+def test_zero_said_twice_is_said_once(d):
+    """The mouth beside the corner at which the held side ends: SetDirichlet with zero changes nothing."""
+    energies = []
+    for again in (False, True):
+        p = problem(Crack([(1 - d, 0), (0.45, 0.5)]), order=2, mesh=rectangle(0.15), dirichlet="bottom")
+        load(p, (0.1, 1), "top")
+        if again:
+            p.SetDirichlet((0, 0), "bottom")
+        energies.append(p.Solve().Energy())
+    assert energies[1] == pytest.approx(energies[0], rel=1e-12)
