@@ -210,6 +210,6 @@ def test_without_matplotlib_it_says_so_and_goes_on(monkeypatch, tmp_path, capsys
 def test_a_terminal_without_greek_letters(tmp_path):
     command = [sys.executable, "-m", "ngsxfem_contact", "--h", "0.2", "--no-figures", "--output", str(tmp_path)]
     environment = os.environ | {"PYTHONIOENCODING": "ascii", "LANG": "C", "LC_ALL": "C"}
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, encoding="ascii")
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, encoding="ascii")
     assert done.returncode == 0 and "Traceback" not in done.stderr and "contact force ??" in done.stdout
     assert "contact force ∫λ" in (tmp_path / "summary.txt").read_text(encoding="utf-8")
