@@ -47,7 +47,8 @@ def given_stresses(material, initial_stress, temperature):
 
 def check_no_function(stress):
     """Raises ValueError for an initial stress that holds trial or test functions."""
-    if core.TermsOf(stress[0, 0] * dx)[0].test or core.TermsOf(stress[0, 0] * dx)[0].trial:
+    term = core.TermsOf(stress[0, 0] * dx)[0]
+    if term.test or term.trial:
         raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
 
 
