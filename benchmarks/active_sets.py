@@ -11,9 +11,9 @@ import numpy as np
 from ngsolve import ngsglobals
 
 from ngsxfem_contact import TipEnrichment
-from ngsxfem_contact.paper import MATERIAL, PAIRS, paper_problem
-from ngsxfem_contact.solver import ReducedProblem
-from ngsxfem_contact.study import SIZES, realisation_mesh
+from ngsxfem_contact.contact.solver import ReducedProblem
+from ngsxfem_contact.study.paper import MATERIAL, PAIRS, paper_problem
+from ngsxfem_contact.study.study import SIZES, realisation_mesh
 
 
 def counts(mesh, pair, coarser):

@@ -10,9 +10,9 @@ from ngsolve import TaskManager, ngsglobals
 from scipy.optimize import brentq
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
-from ngsxfem_contact import closed_forms as cf
-from ngsxfem_contact.arc_solution import OpenArc
-from ngsxfem_contact.paper import MATERIAL, PAIRS
+from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.exact.arc_solution import OpenArc
+from ngsxfem_contact.study.paper import MATERIAL, PAIRS
 
 
 def solve(mesh, crack, exact, pair, tip=None, stabilisation=BarbosaHughes()):

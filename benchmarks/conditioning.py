@@ -19,13 +19,13 @@ from ngsolve import BilinearForm, Grad, InnerProduct, Sym, VectorH1, dx, ngsglob
 from scipy.linalg import eigh
 
 from ngsxfem_contact import BarbosaHughes, Crack, CrackedMesh, CrackFESpace, Strain, TipEnrichment
-from ngsxfem_contact.conditioning import scaling_blocks
-from ngsxfem_contact.connectivity import VertexCopies
-from ngsxfem_contact.face_traction import ComparedTraction
-from ngsxfem_contact.negligible import without_negligible
+from ngsxfem_contact.algebra.matrices import to_scipy
+from ngsxfem_contact.contact.conditioning import scaling_blocks
+from ngsxfem_contact.loads.face_traction import ComparedTraction
 from ngsxfem_contact.operators import NORMAL
-from ngsxfem_contact.paper import MATERIAL
-from ngsxfem_contact.spaces import to_scipy
+from ngsxfem_contact.spaces.connectivity import VertexCopies
+from ngsxfem_contact.spaces.negligible import without_negligible
+from ngsxfem_contact.study.paper import MATERIAL
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import adversarial  # noqa: E402

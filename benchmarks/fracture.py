@@ -26,9 +26,9 @@ from ngsxfem_contact import (
     Tresca,
     WingCracks,
 )
-from ngsxfem_contact import closed_forms as cf
-from ngsxfem_contact import fracture_solutions as fs
-from ngsxfem_contact.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
+from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.exact import fracture_solutions as fs
+from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 
 PSI = np.radians(40)  # of the load's axis from the crack
 PHI = 0.2  # angle of friction

@@ -14,10 +14,10 @@ from fracture import PLATES, rectangle
 from ngsolve import CF, ngsglobals
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
-from ngsxfem_contact import closed_forms as cf
-from ngsxfem_contact import fracture_solutions as fs
-from ngsxfem_contact.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, paper_problem, unstructured_mesh
-from ngsxfem_contact.shapes import SHAPES, body_mesh, shape_problem
+from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.exact import fracture_solutions as fs
+from ngsxfem_contact.study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from ngsxfem_contact.study.shapes import SHAPES, body_mesh, shape_problem
 
 TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(functions="branch"), "none": None}
 EDGE_CRACK = (8.05643, -0.02659)  # of `edge_crack`, by P4 and by P2 on fine meshes

@@ -20,8 +20,8 @@ import numpy as np
 from ngsolve import CF, Mesh, ngsglobals, sin, x, y
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
-from ngsxfem_contact import closed_forms as cf
-from ngsxfem_contact.paper import MATERIAL, PAIRS
+from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.study.paper import MATERIAL, PAIRS
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import adversarial  # noqa: E402

@@ -12,8 +12,8 @@ from pathlib import Path
 from ngsolve import Mesh, TaskManager, ngsglobals
 
 from ngsxfem_contact import BarbosaHughes
-from ngsxfem_contact.paper import MATERIAL, paper_problem
-from ngsxfem_contact.study import ErrorMeasure, Reference, reference_solution
+from ngsxfem_contact.study.paper import MATERIAL, paper_problem
+from ngsxfem_contact.study.study import ErrorMeasure, Reference, reference_solution
 
 
 def main():

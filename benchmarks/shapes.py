@@ -7,7 +7,7 @@ import argparse
 
 import numpy as np
 
-from ngsxfem_contact.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem
+from ngsxfem_contact.study.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem
 
 COLUMNS = ("energy", "contact_force", "K")
 

@@ -18,7 +18,7 @@ from time import perf_counter, process_time
 from ngsolve import BilinearForm, Grad, InnerProduct, LinearForm, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals
 
 from ngsxfem_contact import LoadSteps, TipEnrichment
-from ngsxfem_contact.paper import BODY_FORCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
+from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
 
 COLUMNS = "h inverse unknowns multipliers linear contact ratio set-up assemble factor other step step_ratio iterations memory_GB linear_GB".split()
 

@@ -38,9 +38,9 @@ from ngsolve import (
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact._ngsxfem_contact import CrackBilinearForm
-from ngsxfem_contact.face_traction import ComparedTraction
+from ngsxfem_contact.loads.face_traction import ComparedTraction
 from ngsxfem_contact.operators import NORMAL, Strain
-from ngsxfem_contact.paper import BODY_FORCE, MATERIAL, PAIRS, TRACTION
+from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, PAIRS, TRACTION
 
 BODIES = {"interior": (Crack([(0.3, 0.01), (0.7, 0.03)]), 0.1), "edge": (Crack([(0, 0), (0.5, 0)]), 0.49)}
 GETFEM = """

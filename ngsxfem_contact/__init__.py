@@ -7,27 +7,30 @@ brings the names of `__all__`. Of NGSolve's own names one is replaced: Variation
 what NGSolve's does for its own, and for those the same.
 """
 
-from . import (
-    _version_check,  # noqa: F401  first: a mismatch must be seen before the extension is loaded
-    geometry,  # noqa: F401  gives Crack its curves
-)
+# In the order of dependence: each line knows those above it only (tests/project/test_architecture.py).
+from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
 from ._ngsxfem_contact import Crack, CrackBilinearForm, CrackedMesh, ElementKind, EndKind, Side, Variation
-from .checks import Coercivity, InfSup
-from .conditioning import ConditionNumber, CrackScaling
-from .elasticity import Elasticity
+from . import curves  # noqa: F401  gives Crack its curves
 from .errors import AccuracyWarning, NotCoercive, NotConverged, SingularSystem, SolveError
-from .fracture import InteractionIntegral, JumpExtrapolation, ModeCoefficients
-from .friction import Coulomb, Tresca
-from .growth import CrackGrowth, GivenIncrement, MaximumHoopStress, Paris, WingCracks
-from .interpolation import Interpolant, Projection
-from .load_steps import LoadCase, LoadSteps
-from .nitsche import Nitsche
-from .nodal_newton import FixedPoint, FullNewton
+from .material import Elasticity
 from .operators import Gradient, Jump, Minus, NormalGap, NormalStress, Plus, Slip, Strain, TangentialStress
-from .problem import ContactProblem
-from .solution import ContactSolution
-from .spaces import CrackFESpace, TipEnrichment, TraceSpace
-from .stabilisation import BarbosaHughes, BothSides
+from .algebra.nodal_newton import FixedPoint, FullNewton
+from .spaces.crack_fespace import CrackFESpace, TipEnrichment
+from .spaces.trace_space import TraceSpace
+from .spaces.interpolation import Interpolant, Projection
+from . import pictures  # noqa: F401
+from .fracture.stress_intensity import InteractionIntegral, JumpExtrapolation, ModeCoefficients
+from .fracture.growth import CrackGrowth, GivenIncrement, MaximumHoopStress, Paris, WingCracks
+from . import loads  # noqa: F401
+from .contact.stabilisation import BarbosaHughes, BothSides
+from .contact.nitsche import Nitsche
+from .contact.friction import Coulomb, Tresca
+from .contact.problem import ContactProblem
+from .contact.solution import ContactSolution
+from .contact.load_steps import LoadCase, LoadSteps
+from .contact.checks import Coercivity, InfSup
+from .contact.conditioning import ConditionNumber, CrackScaling
+from . import exact  # noqa: F401
 
 __all__ = [
     "Crack", "CrackedMesh", "Side", "EndKind", "ElementKind",  # body and crack

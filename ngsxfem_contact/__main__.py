@@ -9,13 +9,13 @@ from pathlib import Path
 from ngsolve import TaskManager, ngsglobals
 
 from . import progress
+from .contact.stabilisation import BarbosaHughes
 from .errors import SolveError
-from .figures import fitted_rates
-from .figures import write_figures as write_figures_of_study
 from .files import UnreadableFile, write_whole
-from .paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
-from .stabilisation import BarbosaHughes
-from .study import REFERENCE_CELLS, SIZES, Study
+from .study.figures import fitted_rates
+from .study.figures import write_figures as write_figures_of_study
+from .study.paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
+from .study.study import REFERENCE_CELLS, SIZES, Study
 
 JOBS = ("paper", "study")
 
@@ -165,7 +165,7 @@ def write_figures(solution, folder):
     """body.png and profile.png."""
     import matplotlib.pyplot as plt
 
-    from .plotting import plot_body, plot_profile
+    from .pictures.plotting import plot_body, plot_profile
 
     figure, ax = plt.subplots(figsize=(6.5, 6), layout="constrained")
     plot_body(solution, ax)

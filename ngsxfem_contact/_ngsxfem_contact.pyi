@@ -58,7 +58,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
 
     def PrepareRules(self, order: int, space: ngsolve.comp.FESpace = None) -> None:
         """
-        Makes the rules of this order now, which are otherwise made when they are first used, and kept as long as the body, or the space if one is given.
+        Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form.
         """
 
     def __call__(

@@ -63,3 +63,10 @@ def check_function(value, name, dim):
     if function.dim != dim:
         raise ValueError(f"{name} has {function.dim} component(s), it must {'be a scalar' if dim == 1 else f'have {dim}'}")
     return function
+
+
+def check_regions(mesh, pattern, what):
+    """Raises TypeError for what is no pattern of boundary names, ValueError if it matches nothing."""
+    check_type(pattern, str, what, "the name of a boundary, or a regular expression")
+    if not mesh.Boundaries(pattern).Mask().NumSet():
+        raise ValueError(f"{what}={pattern!r} matches no boundary; the mesh has {sorted(set(mesh.GetBoundaries()))}")

@@ -1,5 +1,8 @@
 """What a solve can refuse, and what it warns of."""
 
+import sys
+import warnings
+
 
 class SolveError(RuntimeError):
     """There is no answer that can be trusted: what all exceptions of a solve have in common."""
@@ -26,3 +29,11 @@ class NotCoercive(SolveError):
 
 class AccuracyWarning(UserWarning):
     """The answer is less accurate than it looks: the message says where, why and what to do about it."""
+
+
+def warn(message):
+    """An AccuracyWarning that points to the line outside of this package that led here."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, AccuracyWarning, stacklevel=level)

@@ -5,11 +5,11 @@
 #include <pybind11/stl.h>
 #include <python_ngstd.hpp>
 #include <python_comp.hpp>
-#include "crack_fespace.hpp"
-#include "crack_bilinearform.hpp"
-#include "trace_space.hpp"
-#include "cut_integral.hpp"
-#include "crack_normal.hpp"
+#include "spaces/crack_fespace.hpp"
+#include "spaces/crack_bilinearform.hpp"
+#include "spaces/trace_space.hpp"
+#include "forms/cut_integral.hpp"
+#include "forms/crack_normal.hpp"
 
 namespace ngsxfem_contact
 {

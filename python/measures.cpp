@@ -1,6 +1,6 @@
 #include "convert.hpp"
 #include <pybind11/numpy.h>
-#include "form_terms.hpp"
+#include "forms/form_terms.hpp"
 
 using namespace ngsxfem_contact;
 using namespace ngfem;
@@ -89,7 +89,7 @@ void ExportMeasures (py::module & m)
          }, py::arg("order"), py::arg("space") = nullptr, "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.")
     .def("PrepareRules", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
          { ForSpace(dx, space).measure.Rules(dx.vb, order); }, py::arg("order"), py::arg("space") = nullptr,
-         "Makes the rules of this order now, which are otherwise made when they are first used, and kept as long as the body, or the space if one is given.")
+         "Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form.")
     .def("__rmul__", [] (const CutDifferentialSymbol & dx, double factor)
          { return make_shared<SumOfIntegrals>(dx.MakeIntegral(make_shared<ConstantCoefficientFunction>(factor))); });
 }

@@ -1,6 +1,6 @@
 #include <pybind11/numpy.h>
 #include "convert.hpp"
-#include "schur_complement.hpp"
+#include "algebra/schur_complement.hpp"
 
 using namespace ngsxfem_contact;
 using namespace ngla;

@@ -85,6 +85,6 @@ def left_normal(p, q):
 
 def on_crack(body, s, crack=0):
     """Points of the mesh on a crack, for GridFunctions and their operators."""
-    from ngsxfem_contact.spaces import crack_points
+    from ngsxfem_contact.points import crack_points
 
     return crack_points(body, crack, s)

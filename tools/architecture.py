@@ -1,7 +1,7 @@
-"""Draws docs/images/architecture.svg from the #include and import lines of the sources: python tools/architecture.py [file.svg]
+"""Draws docs/images/architecture.svg from the sources: python tools/architecture.py [file.svg]
 
-A unit stands above all that it uses. Lines that follow from others are left out (a uses c, if a uses b and b uses c). The
-file carries its lines as text, so that a test can compare it with the sources.
+Folders are layers. Those of the core stand in the order of CMakeLists.txt, those of the package in that of ngsxfem_contact/__init__.py.
+The picture carries its layers and arrows as text, so that a test can compare it with the sources.
 """
 
 import ast
@@ -9,120 +9,127 @@ import re
 import sys
 from pathlib import Path
 
-import numpy as np
-
 ROOT = Path(__file__).resolve().parents[1]
-GROUPS = {
-    "geometry": "box_tree curve_piece crack tip_curve element_division interpolant element_map element_location element_clips body_boundary crack_ends cut_rule curved_rule cut_element cracked_mesh body_rules crack_normal geometry segments",
-    "spaces": "tip_functions crack_element diffops crack_fespace crack_enrichment crack_bilinearform trace_space dilatation spaces tip_disk resolution interpolation",
-    "forms": "cut_integral form_terms operators elasticity incompressible mouths boundary_samples terms face_traction load",
-    "methods": "bordered_matrix schur_complement elimination pardiso active_set box_path nodal_newton cones friction stabilisation nitsche contact_system mixed_system checks conditioning connectivity negligible",
-    "problem and solver": "problem supports reactions solver load_steps solution report errors",
-    "reading solutions": "fracture tip_integral factor_error fracture_solutions tip_fields growth split_mesh plotting closed_forms arc_solution",
-    "the paper and its study": "paper shapes study analysis figures __main__",
-}
-COLOURS = ("#cfe2f3", "#d9ead3", "#fff2cc", "#f9d5c5", "#ead1dc", "#d9d2e9", "#eeeeee")
-LEFT_OUT = {"__init__", "_build_info", "_version_check", "files", "arguments", "progress"}  # of no interest, or used by all
+CORE, PACKAGE = ROOT / "cpp", ROOT / "ngsxfem_contact"
+BASE = "base"  # the modules beside the folders of the package
+LEFT_OUT = {"__init__", "__main__", "_build_info", "_version_check"}
+COLOURS = {"core": "#cfe2f3", "package": "#fff2cc"}
 
 
-def cpp_graph(folder):
-    """Unit → units that its files include."""
-    graph = {}
-    for path in sorted(folder.glob("*.?pp")):
-        included = re.findall(r'^\s*#\s*include\s*"([^"]+)"', path.read_text(encoding="utf-8"), re.M)
-        graph.setdefault(path.stem, set()).update(Path(name).stem for name in included)
-    return {unit: used & set(graph) - {unit} for unit, used in graph.items()}
+def core_layers():
+    """Folder of cpp/ → its units, from the lowest one."""
+    folders = dict.fromkeys(re.findall(r"cpp/(\w+)/", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")))
+    return {folder: sorted({path.stem for path in (CORE / folder).glob("*.?pp")}) for folder in folders}
 
 
-def python_graph(folder):
-    """Module → modules of the package that it imports, inside functions, too."""
-    graph = {}
-    for path in sorted(folder.glob("*.py")):
-        nodes = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom) and node.level == 1]
-        graph[path.stem] = {name for node in nodes for name in ([node.module] if node.module else [alias.name for alias in node.names])}
-    return {module: used & set(graph) - LEFT_OUT for module, used in graph.items() if module not in LEFT_OUT}
+def package_layers():
+    """Folder of the package → its modules, from the lowest one."""
+    tree = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
+    names = [node.module or node.names[0].name for node in tree.body if isinstance(node, ast.ImportFrom)]
+    folders = dict.fromkeys(name.split(".")[0] for name in names if (PACKAGE / name.split(".")[0]).is_dir())
+    return {folder: sorted({path.stem for path in folder_of(folder).glob("*.py")} - LEFT_OUT) for folder in (BASE, *folders)}
 
 
-def reachable(graph, start):
-    found = set()
-    for used in graph[start]:
-        found |= {used} | reachable(graph, used)
-    return found
+def folder_of(layer):
+    return PACKAGE if layer == BASE else PACKAGE / layer
 
 
-def reduced(graph):
-    """The graph without lines that follow from others."""
-    return {unit: {used for used in uses if not any(used in reachable(graph, other) for other in uses - {used})} for unit, uses in graph.items()}
+def core_uses(folder):
+    """The folders of cpp/ that a folder includes."""
+    text = "".join(path.read_text(encoding="utf-8") for path in (CORE / folder).glob("*.?pp"))
+    return set(re.findall(r'^\s*#\s*include\s*"(\w+)/', text, re.M)) - {folder}
 
 
-def levels(graph):
-    """Unit → its layer: above all that it uses."""
-    level = {}
-    for unit in sorted(graph, key=lambda unit: len(reachable(graph, unit))):
-        level[unit] = 1 + max((level[used] for used in graph[unit]), default=-1)
-    return level
+def imports(path):
+    """(layer, module) of the imports of a module from this package, those inside functions, too; module "" for the compiled core."""
+    layer = BASE if path.parent == PACKAGE else path.parent.name
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            parts = (node.module or "").split(".") if node.module else []
+            at = PACKAGE if node.level == 2 or layer == BASE else path.parent
+            for names in [parts] if parts else [[alias.name] for alias in node.names]:
+                to = at.joinpath(*names)
+                if to.is_dir():
+                    yield from ((names[0], alias.name) for alias in node.names)
+                elif to.with_suffix(".py").exists():
+                    yield (BASE if to.parent == PACKAGE else to.parent.name, to.name)
 
 
-def routes(graph, level):
-    """Each line as the places it passes, one for each layer: units at its ends, (unit, used, layer) between."""
-    return [[unit, *((unit, used, i) for i in range(level[unit] - 1, level[used], -1)), used] for unit, uses in graph.items() for used in sorted(uses)]
+def package_uses(layer):
+    """The layers of the package that a layer imports from."""
+    return {to for path in folder_of(layer).glob("*.py") if path.stem not in LEFT_OUT for to, _ in imports(path)} - {layer}
 
 
-def positions(graph):
-    """(position of each place, routes): layers are ordered by the means of their neighbours, so that lines are short."""
-    level = levels(graph)
-    lines = routes(graph, level)
-    level |= {place: place[2] for line in lines for place in line[1:-1]}
-    neighbours = {place: [] for place in level}
-    for a, b in ((a, b) for line in lines for a, b in zip(line, line[1:])):
-        neighbours[a].append(b)
-        neighbours[b].append(a)
-    rows = [sorted((place for place in level if level[place] == i), key=str) for i in range(max(level.values()) + 1)]
-    x = {}
-
-    def arrange(i):
-        width = np.array([1.0 if isinstance(place, str) else 0.25 for place in rows[i]])
-        x.update(zip(rows[i], (np.cumsum(width) - 0.5 * width) / width.sum()))
-
-    for i in range(len(rows)):
-        arrange(i)
-    for sweep in range(24):
-        for i in range(len(rows)) if sweep % 2 else reversed(range(len(rows))):
-            mean = {place: np.mean([x[n] for n in neighbours[place]]) if neighbours[place] else 0.5 for place in rows[i]}
-            rows[i].sort(key=lambda place: (mean[place], str(place)))
-            arrange(i)
-    return {place: (x[place], level[place]) for place in level}, lines
+def layers():
+    """(title, layer → units, layer → layers it uses) of the two halves."""
+    core, package = core_layers(), package_layers()
+    return [("core", core, {layer: core_uses(layer) for layer in core}), ("package", package, {layer: package_uses(layer) for layer in package})]
 
 
-def draw(ax, graph, title):
-    """One graph on its axes."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Curve
+def reduced(uses):
+    """Without arrows that follow from others."""
 
-    at, lines = positions(reduced(graph))
-    colour = {unit: shade for units, shade in zip(GROUPS.values(), COLOURS) for unit in units.split()}
-    for line in lines:
-        for (x0, y0), (x1, y1) in zip([at[place] for place in line], [at[place] for place in line[1:]]):
-            bend = [(x0, y0), (x0, y0 - 0.5), (x1, y1 + 0.5), (x1, y1)]
-            ax.add_patch(PathPatch(Curve(bend, [Curve.MOVETO] + 3 * [Curve.CURVE4]), fill=False, edgecolor="0.55", linewidth=0.7, zorder=1))
-    for unit in graph:
-        box = {"boxstyle": "round,pad=0.35", "facecolor": colour.get(unit, "white"), "edgecolor": "0.4", "linewidth": 0.7}
-        ax.text(*at[unit], unit, ha="center", va="center", fontsize=8.5, bbox=box, zorder=2)
-    ax.set(xlim=(0, 1), ylim=(-0.6, max(y for _, y in at.values()) + 0.6), title=title)
+    def reachable(layer):
+        return uses[layer].union(*(reachable(other) for other in uses[layer]))
+
+    return {layer: {to for to in used if not any(to in reachable(other) for other in used - {to})} for layer, used in uses.items()}
+
+
+def description():
+    """All that the picture says, as text."""
+    for title, units, uses in layers():
+        for layer, names in units.items():
+            yield f"{title}/{layer}: {' '.join(names)} > {' '.join(sorted(reduced(uses)[layer]))}"
+
+
+def rows_of(names, width):
+    """Names in rows of at most so many characters."""
+    rows = [[]]
+    for name in names:
+        if sum(len(other) + 3 for other in rows[-1]) + len(name) > width and rows[-1]:
+            rows.append([])
+        rows[-1].append(name)
+    return rows
+
+
+def draw_layer(ax, title, layer, names, bottom):
+    """A band with its units; its height."""
+    rows = rows_of(names, 88)
+    height = 0.62 + 0.62 * len(rows)
+    ax.add_patch(ax.patch_class((0, bottom), 112, height, facecolor=COLOURS[title], edgecolor="0.5", linewidth=0.8))
+    ax.text(1.5, bottom + height / 2, f"{layer}/" if layer != BASE else "beside the folders", va="center", fontsize=11, fontweight="bold")
+    for i, row in enumerate(rows):
+        x = 21.0
+        for name in row:
+            ax.text(x, bottom + height - 0.62 * (i + 1), name, va="center", fontsize=9, family="monospace")
+            x += len(name) + 3
+    return height
+
+
+def draw(ax):
+    """Both halves, the core below, with arrows from each layer to those it uses."""
+    from matplotlib.patches import FancyArrowPatch, Rectangle
+
+    ax.patch_class, bottom = Rectangle, 0.0
+    for title, units, uses in layers():
+        at = {}
+        for layer, names in units.items():
+            height = draw_layer(ax, title, layer, names, bottom)
+            at[layer] = bottom, bottom + height
+            bottom += height + 0.3
+        arrows = [(layer, to) for layer, used in reduced(uses).items() for to in used]
+        for i, (layer, to) in enumerate(sorted(arrows, key=lambda arrow: at[arrow[0]][0] - at[arrow[1]][0])):
+            x = 113 + 1.6 * (i + 1)
+            y0, y1 = sum(at[layer]) / 2 - 0.15, sum(at[to]) / 2 + 0.15
+            ax.plot([112, x, x], [y0, y0, y1], color="0.35", linewidth=0.9)
+            ax.add_patch(FancyArrowPatch((x, y1), (112, y1), arrowstyle="-|>", mutation_scale=9, color="0.35", linewidth=0.9, shrinkA=0, shrinkB=0))
+        ax.text(
+            0, bottom, {"core": "ngsxfem_contact/: the package, in Python, on python/, the exports of the core", "package": ""}[title], fontsize=10, va="bottom"
+        )
+        bottom += 0.9
+    ax.text(0, -0.35, "cpp/: the core, in C++ without Python", fontsize=10, va="top")
+    ax.set(xlim=(-1, 136), ylim=(-1.1, bottom - 0.8))
     ax.axis("off")
-
-
-def graphs():
-    """The two graphs by what they are."""
-    return {
-        "cpp/: the core, C++ without Python": cpp_graph(ROOT / "cpp"),
-        "ngsxfem_contact/: the package, Python on top of the core": python_graph(ROOT / "ngsxfem_contact"),
-    }
-
-
-def edges():
-    """All lines as text, "a > b" for a uses b."""
-    return sorted(f"{unit} > {used}" for graph in graphs().values() for unit, uses in reduced(graph).items() for used in uses)
 
 
 def picture(path):
@@ -131,16 +138,12 @@ def picture(path):
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
-    from matplotlib.patches import Patch
 
-    plt.rcParams.update({"svg.hashsalt": "architecture", "svg.fonttype": "none", "font.family": "sans-serif"})
-    drawn = graphs()
-    heights = [1 + max(levels(graph).values()) for graph in drawn.values()]
-    figure, axes = plt.subplots(2, 1, figsize=(13, 0.62 * sum(heights)), height_ratios=heights, layout="constrained")
-    for ax, (title, graph) in zip(axes, drawn.items()):
-        draw(ax, graph, title)
-    figure.legend(handles=[Patch(facecolor=c, edgecolor="0.4", label=g) for g, c in zip(GROUPS, COLOURS)], loc="outside lower center", ncols=4, frameon=False)
-    figure.savefig(path, metadata={"Date": None, "Description": "; ".join(edges())})
+    plt.rcParams.update({"svg.hashsalt": "architecture", "svg.fonttype": "none"})
+    figure, ax = plt.subplots(figsize=(12.5, 9), layout="constrained")
+    draw(ax)
+    figure.savefig(path, metadata={"Date": None, "Description": "; ".join(description())})
+    return figure
 
 
 if __name__ == "__main__":

@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.paper import paper_problem, unstructured_mesh
-from ngsxfem_contact.plotting import plot_profile
+from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh
+from ngsxfem_contact.pictures.plotting import plot_profile
 from scipy.sparse import bmat, csr_matrix
 from scipy.sparse.linalg import spsolve
 

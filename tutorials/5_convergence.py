@@ -14,8 +14,8 @@ import tempfile
 import matplotlib.pyplot as plt
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact import figures
-from ngsxfem_contact.study import Study
+from ngsxfem_contact.study import figures
+from ngsxfem_contact.study.study import Study
 
 folder = tempfile.mkdtemp()
 study = Study(folder, sizes=(0.088, 0.05, 0.03), realisations=1, structured=True, cells=45)

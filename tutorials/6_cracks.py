@@ -10,8 +10,8 @@ import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.plotting import plot_body, plot_mesh, plot_profile
-from ngsxfem_contact.shapes import SHAPES, body_mesh, deviations, shape_problem
+from ngsxfem_contact.pictures.plotting import plot_body, plot_mesh, plot_profile
+from ngsxfem_contact.study.shapes import SHAPES, body_mesh, deviations, shape_problem
 
 geometry = SplineGeometry()
 geometry.AddRectangle((0, -0.5), (1, 0.5), bcs=["bottom", "right", "top", "left"])

@@ -1,0 +1,75 @@
+#pragma once
+// Γ_C: an oriented curve of smooth pieces, its arc length, its normal and the side of a point (method.md, section 1).
+
+#include "curve/box_tree.hpp"
+
+namespace ngsxfem_contact
+{
+  enum class Side : int { Minus = -1, Plus = 1 };
+
+  class Crack
+  {
+    std::vector<PiecePtr> pieces;
+    std::vector<Point> points;       // the ends of the pieces
+    std::vector<double> arclength;   // at the points
+    std::vector<bool> kink;          // at the points
+    BoxTree boxes;                   // of parts of the pieces that are nearly straight
+    std::vector<size_t> piece_of;    // by box
+
+  public:
+    /// A polyline. Throws for fewer than two points, a non-finite coordinate, a segment of zero length, a curve that
+    /// meets itself.
+    explicit Crack (std::vector<Point> apoints);
+    /// Throws for pieces that do not continue each other, and for a curve that meets itself.
+    explicit Crack (std::vector<PiecePtr> apieces);
+
+    /// The ends of the pieces: the points of a polyline.
+    const std::vector<Point> & Points() const { return points; }
+    size_t NumSegments() const { return pieces.size(); }
+    const CurvePiece & Piece (size_t i) const { return *pieces[i]; }
+    const std::vector<PiecePtr> & Pieces() const { return pieces; }
+    double Length() const { return arclength.back(); }
+    /// Arc length at the i-th point.
+    double ArcLength (size_t i) const { return arclength[i]; }
+    /// Whether the direction jumps at the i-th point.
+    bool IsKink (size_t i) const { return kink[i]; }
+
+    Point Tangent (size_t segment, double s) const;
+    /// To the left of the direction of travel, from the minus to the plus side.
+    Point Normal (size_t segment, double s) const { return Left(Tangent(segment, s)); }
+
+    /// The piece that carries arc length s; at an end of two the one that ends there.
+    size_t SegmentAt (double s) const;
+    Point PointAt (double s) const { return PointAt(SegmentAt(s), s); }
+    Point PointAt (size_t segment, double s) const;
+    /// Signed distance of p from the infinite line of a straight piece, positive on the plus side.
+    double LineDistance (size_t segment, Point p) const;
+    bool IsStraight (size_t segment) const { return pieces[segment]->IsStraight(); }
+    /// The pieces that may meet a box, ascending.
+    std::vector<size_t> PiecesNear (const Box & box) const;
+
+    /// t: the parameter of the piece.
+    struct Projection { size_t segment; double t, distance; bool beyond_end; };
+    /// The nearest point of Γ_C.
+    Projection Nearest (Point p) const;
+    double ArcLength (const Projection & at) const { return arclength[at.segment] + pieces[at.segment]->ArcLength(at.t); }
+    Point Tangent (const Projection & at) const;
+    /// Side of p with respect to Γ_C and, beyond its ends, to their straight extensions. Plus on Γ_C itself.
+    Side SideOf (Point p) const;
+
+    /// Points that follow the crack: the ends of the pieces, and of curved ones points between which they turn by `turn`.
+    std::vector<Point> Outline (double turn = 0.02) const;
+
+  private:
+    void CheckSegments() const;
+    void CheckContinuous() const;
+    void CheckSelfContact() const;
+    void Measure();
+    void MakeBoxes();
+    std::vector<double> Samples (size_t piece, double turn) const;
+    Projection NearestOn (size_t segment, Point p) const;
+  };
+
+  /// The distance of two cracks, and a point of the first where it is attained.
+  std::pair<double, Point> Distance (const Crack & a, const Crack & b);
+}

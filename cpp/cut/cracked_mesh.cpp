@@ -1,0 +1,124 @@
+#include "cut/cracked_mesh.hpp"
+#include <algorithm>
+
+namespace ngsxfem_contact
+{
+  using ngcore::Exception;
+
+  MeshState :: MeshState (MeshAccess & mesh)
+    : num_elements(mesh.GetNE(VOL)), num_vertices(mesh.GetNV()), curve_order(mesh.GetCurveOrder()), deformed(mesh.GetDeformation() != nullptr) { }
+
+  CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks)
+    : mesh(amesh), located_in(*amesh), cracks(std::move(acracks))
+  {
+    if (located_in.deformed)
+      throw Exception("CrackedMesh: the mesh is moved by SetDeformation, which cracks and rules know nothing of; build a mesh of the moved body");
+    if (cracks.empty()) throw Exception("CrackedMesh: give at least one crack");
+    CheckTriangles(*mesh);
+    BodyBoundary boundary(*mesh);
+    for (size_t c = 0; c < cracks.size(); c++) cracks[c] = FittedToBody(cracks[c], c, boundary, notes);
+    locations.reserve(cracks.size());
+    for (auto & crack : cracks)
+      locations.emplace_back(*mesh, crack);
+    CheckDistinct();
+    FindCutElements();
+    FindTips(boundary);
+  }
+
+  size_t CrackedMesh :: Checked (size_t crack) const
+  {
+    if (crack >= cracks.size())
+      throw Exception("CrackedMesh: there is no crack " + std::to_string(crack) + "; the body has " + std::to_string(cracks.size()));
+    return crack;
+  }
+
+  void CrackedMesh :: CheckMesh () const
+  {
+    MeshState now(*mesh);
+    if (now == located_in) return;
+    string how = now.deformed ? "it is moved by SetDeformation" : now.curve_order != located_in.curve_order ? "it was curved" : "it was refined";
+    throw Exception("CrackedMesh: the mesh has changed since the cracks were located in it (" + how + "); build a new CrackedMesh, and all else on it anew");
+  }
+
+  void CrackedMesh :: CheckDistinct () const
+  {
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (size_t d = c+1; d < cracks.size(); d++)
+        if (auto [distance, place] = Distance(cracks[c], cracks[d]); distance <= locations[c].Tolerance())
+          throw Exception("CrackedMesh: cracks " + std::to_string(c) + " and " + std::to_string(d) + " meet near "
+                          + ToString(place) + "; crossing and branching are not supported: separate them");
+  }
+
+  void CrackedMesh :: FindCutElements ()
+  {
+    std::map<size_t, std::vector<ElementCrack>> meetings;
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (auto & location : locations[c].Elements())
+        meetings[location.element].push_back({ c, &location, Side::Plus });
+    for (auto & [element, meeting] : meetings)
+      cut_elements.emplace(element, CutElement(cracks, std::move(meeting)));
+  }
+
+  void CrackedMesh :: FindTips (const BodyBoundary & boundary)
+  {
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (auto & end : locations[c].Ends())
+        if (end.kind == EndKind::Tip)
+          {
+            bool at_end = end.s > 0;
+            TipCurve curve(cracks[c], at_end);
+            tips.push_back({ c, end.s, curve, end.point, curve.Ahead(), at_end ? 1 : -1, 0, "" });
+          }
+    for (auto & tip : tips) SetClearance(tip, boundary);
+  }
+
+  void CrackedMesh :: SetClearance (Tip & tip, const BodyBoundary & boundary) const
+  {
+    tip.clearance = std::numeric_limits<double>::infinity();
+    auto limit = [&] (double distance, std::string what)
+    { if (distance < tip.clearance) { tip.clearance = distance; tip.limit = what; } };
+    limit(boundary.Nearest(tip.point).distance, "the boundary of the body");
+    LimitByCracks(tip, limit);
+    for (auto & other : tips)
+      if (&other != &tip) limit(0.5*Norm(Point(other.point-tip.point)), "half the way to the tip at " + ToString(other.point));
+  }
+
+  void CrackedMesh :: LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const
+  {
+    limit(tip.curve.CurvatureLimit(), "half of the crack's radius of curvature");
+    double own_length = tip.curve.ReachLength();
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (size_t i = 0; i < cracks[c].NumSegments(); i++)
+        {
+          auto & crack = cracks[c];
+          auto & piece = crack.Piece(i);
+          double to_start = std::abs(crack.ArcLength(i)-tip.s), to_end = std::abs(crack.ArcLength(i+1)-tip.s);
+          double tolerance = 1e-10*crack.Length();
+          if (c != tip.crack)
+            limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "crack " + std::to_string(c));
+          else if (std::min(to_start, to_end) >= own_length-tolerance)
+            limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "another segment of the same crack");
+          else if (std::max(to_start, to_end) > own_length+tolerance)
+            // a piece that turns back
+            for (double s : piece.Samples(0.02))
+              if (std::abs(crack.ArcLength(i)+s-tip.s) >= own_length-tolerance)
+                limit(0.98*Norm(Point(piece.PointAt(s)-tip.point)), "the same crack, which turns back");
+        }
+  }
+
+  const CutElement * CrackedMesh :: Find (size_t element) const
+  {
+    auto it = cut_elements.find(element);
+    return it == cut_elements.end() ? nullptr : &it->second;
+  }
+
+  shared_ptr<ngcore::BitArray> CrackedMesh :: CrackElements (std::optional<size_t> crack) const
+  {
+    if (crack) Checked(*crack);
+    auto elements = make_shared<ngcore::BitArray>(mesh->GetNE(VOL));
+    elements->Clear();
+    for (auto & [element, cut] : cut_elements)
+      if (!crack || cut.Find(*crack)) elements->SetBit(element);
+    return elements;
+  }
+}

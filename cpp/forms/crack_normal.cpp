@@ -1,0 +1,105 @@
+#include "forms/crack_normal.hpp"
+#include <algorithm>
+
+namespace ngsxfem_contact
+{
+  using namespace ngfem;
+
+  CrackFrame :: CrackFrame (shared_ptr<CrackedMesh> abody, bool atangent)
+    : CoefficientFunctionNoDerivative(2), body(abody), tangent(atangent) { }
+
+  Point CrackFrame :: At (size_t element, Point x) const
+  {
+    auto & cracks = body->Cracks();
+    auto distance = [&] (auto & crack) { return crack.Nearest(x).distance; };
+    auto cut = body->Find(element);
+    auto & curve = cut ? cracks[cut->CrackAt(cracks, x).crack] : *std::ranges::min_element(cracks, {}, distance);
+    Point t = curve.Tangent(curve.Nearest(x));
+    return tangent ? t : Left(t);
+  }
+
+  double CrackFrame :: Evaluate (const BaseMappedIntegrationPoint &) const
+  { throw ngcore::Exception("CrackedMesh: normal and tangent are vectors; take a component such as body.normal[0]"); }
+
+  void CrackFrame :: Evaluate (const BaseMappedIntegrationPoint & ip, FlatVector<> result) const
+  {
+    auto x = ip.GetPoint();
+    result = At(ip.GetTransformation().GetElementNr(), Point(x(0), x(1)));
+  }
+
+  void CrackFrame :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  {
+    auto x = mir.GetPoints();
+    size_t element = mir.GetTransformation().GetElementNr();
+    for (size_t i = 0; i < mir.Size(); i++)
+      for (int k = 0; k < 2; k++)
+        values(k, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane]))(k); });
+  }
+
+  double CrackLabel :: At (size_t element, Point x) const
+  {
+    auto cut = body->Find(element);
+    return cut ? label(cut->CrackAt(body->Cracks(), x)) : 0;
+  }
+
+  double CrackLabel :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  {
+    auto x = ip.GetPoint();
+    return At(ip.GetTransformation().GetElementNr(), Point(x(0), x(1)));
+  }
+
+  void CrackLabel :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  {
+    auto x = mir.GetPoints();
+    size_t element = mir.GetTransformation().GetElementNr();
+    for (size_t i = 0; i < mir.Size(); i++)
+      values(0, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane])); });
+  }
+
+  CrackLimit :: CrackLimit (shared_ptr<CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside)
+    : CoefficientFunctionNoDerivative(afunction->Dimension()), body(abody), function(afunction), side(aside)
+  { SetDimensions(function->Dimensions()); }
+
+  double CrackLimit :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  {
+    Vector<> value(Dimension());
+    Evaluate(ip, value);
+    return value(0);
+  }
+
+  void CrackLimit :: Evaluate (const BaseMappedIntegrationPoint & bip, FlatVector<> result) const
+  {
+    auto & ip = static_cast<const MappedIntegrationPoint<2,2>&>(bip);
+    Point x(ip.GetPoint()(0), ip.GetPoint()(1));
+    auto cut = body->Find(ip.GetTransformation().GetElementNr());
+    if (!cut) return function->Evaluate(bip, result);
+    auto & here = cut->CrackAt(body->Cracks(), x);
+    auto & crack = body->GetCrack(here.crack);
+    auto nearest = crack.Nearest(x);
+    Point step = 1e-6*(side ? side : int(here.larger))*here.location->h*Left(crack.Tangent(nearest));
+    Vec<2> off = ip.GetJacobianInverse() * Vec<2>(step(0), step(1));
+    auto at = [&] (double factor, FlatVector<> values)
+    {
+      IntegrationPoint moved(ip.IP()(0)+factor*off(0), ip.IP()(1)+factor*off(1), 0, 0);
+      MappedIntegrationPoint<2,2> mapped(moved, ip.GetTransformation());
+      function->Evaluate(mapped, values);
+    };
+    Vector<> farther(result.Size());
+    at(1, result);
+    at(2, farther);
+    result = 2*result - farther;
+  }
+
+  double CrackSide :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  {
+    auto x = ip.GetPoint();
+    return int(crack.SideOf(Point(x(0), x(1))));
+  }
+
+  void CrackSide :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  {
+    auto x = mir.GetPoints();
+    for (size_t i = 0; i < mir.Size(); i++)
+      values(0, i) = SIMD<double>([&] (int lane) { return double(int(crack.SideOf(Point(x(i,0)[lane], x(i,1)[lane])))); });
+  }
+}

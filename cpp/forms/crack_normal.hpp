@@ -1,0 +1,65 @@
+#pragma once
+// The unit normal and tangent of the nearest point of Γ_C, what is known of it, and the side of a point, as coefficient functions.
+
+#include "cut/cracked_mesh.hpp"
+#include <coefficient.hpp>
+
+namespace ngsxfem_contact
+{
+  using ngfem::CoefficientFunction;
+
+  /// n (tangent = false) or t of the crack of the element; elsewhere of the nearest crack.
+  class CrackFrame : public ngfem::CoefficientFunctionNoDerivative
+  {
+    shared_ptr<CrackedMesh> body;
+    bool tangent;
+  public:
+    CrackFrame (shared_ptr<CrackedMesh> abody, bool atangent);
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
+    void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
+  private:
+    Point At (size_t element, Point x) const;
+  };
+
+  /// A number that belongs to a crack in an element, at points of Γ_C; 0 in elements that no crack meets.
+  class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
+  {
+    using Label = std::function<double(const ElementCrack &)>;
+    shared_ptr<CrackedMesh> body;
+    Label label;
+  public:
+    CrackLabel (shared_ptr<CrackedMesh> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
+  private:
+    double At (size_t element, Point x) const;
+  };
+
+  /// The limit of a function on Γ_C from one side, for functions that jump there: ±1, or 0 for the side of the larger part. It is extrapolated from two
+  /// points beside the crack, so that linear functions are exact.
+  class CrackLimit : public ngfem::CoefficientFunctionNoDerivative
+  {
+    shared_ptr<CrackedMesh> body;
+    shared_ptr<CoefficientFunction> function;
+    int side;
+  public:
+    CrackLimit (shared_ptr<CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside);
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
+  };
+
+  /// H of one crack: +1 on its plus side, -1 on its minus side.
+  class CrackSide : public ngfem::CoefficientFunctionNoDerivative
+  {
+    Crack crack;
+  public:
+    explicit CrackSide (Crack acrack) : CoefficientFunctionNoDerivative(1), crack(std::move(acrack)) { }
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
+  };
+}

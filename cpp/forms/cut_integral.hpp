@@ -1,0 +1,64 @@
+#pragma once
+// The measures body.dx, body.ds, body.dcrack: NGSolve's differential symbols, integrals and symbolic integrators with
+// the rules of a cracked mesh on the elements that need them.
+
+#include "rules/body_rules.hpp"
+#include <integratorcf.hpp>
+
+namespace ngsxfem_contact
+{
+  using ngfem::CoefficientFunction;
+
+  struct Measure
+  {
+    shared_ptr<CrackedMesh> body;
+    RuleKind kind;
+    shared_ptr<const BodyRules> rules;
+
+    Measure (shared_ptr<CrackedMesh> abody, RuleKind akind) : body(abody), kind(std::move(akind)), rules(RulesOf(body, {})) { }
+
+    shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return rules->Table(kind, vb, order); }
+    /// With rules for the functions of a space, too, if it is one on this body.
+    Measure With (const ngcomp::FESpace & space) const;
+    /// With rules for the functions of all spaces whose functions or test functions are part of an integrand.
+    Measure With (CoefficientFunction & integrand) const;
+  };
+
+  class CutDifferentialSymbol : public ngfem::DifferentialSymbol
+  {
+  public:
+    Measure measure;
+    CutDifferentialSymbol (Measure ameasure, VorB avb) : DifferentialSymbol(avb), measure(std::move(ameasure)) { }
+    shared_ptr<ngfem::Integral> MakeIntegral (shared_ptr<CoefficientFunction> cf) const override;
+  };
+
+  /// The points of a measure, element by element: reference coordinates, physical weights and places.
+  struct MeasurePoints { std::vector<size_t> element; std::vector<double> xi, eta, weight, x, y; };
+  MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order);
+
+  class CutIntegral : public ngfem::Integral
+  {
+  protected:
+    Measure measure;
+  public:
+    CutIntegral (shared_ptr<CoefficientFunction> acf, const ngfem::DifferentialSymbol & adx, Measure ameasure)
+      : Integral(acf, adx), measure(ameasure.With(*acf)) { }
+
+    const Measure & GetMeasure () const { return measure; }
+    double Integrate (const ngcomp::MeshAccess & ma, ngbla::FlatVector<double> element_wise) override;
+    ngcore::Complex Integrate (const ngcomp::MeshAccess & ma, ngbla::FlatVector<ngcore::Complex> element_wise) override;
+    shared_ptr<ngfem::BilinearFormIntegrator> MakeBilinearFormIntegrator () const override;
+    shared_ptr<ngfem::LinearFormIntegrator> MakeLinearFormIntegrator () const override;
+    shared_ptr<Integral> CreateSameIntegralType (shared_ptr<CoefficientFunction> acf) override
+    { return make_shared<CutIntegral>(acf, dx, measure); }
+
+  private:
+    std::optional<ngcore::BitArray> DefinedOn (const ngcomp::MeshAccess & ma) const;
+  };
+
+  /// The integrals of a form as energies: their integrators vary them. NGSolve's own Variation would lose the rules.
+  shared_ptr<ngfem::SumOfIntegrals> MakeVariation (const ngfem::SumOfIntegrals & form);
+
+  /// The integrals of a form over the body and its cracks, without those over its boundary, on some elements.
+  shared_ptr<ngfem::SumOfIntegrals> InnerIntegrals (const ngfem::SumOfIntegrals & form, const ngcore::BitArray & elements);
+}

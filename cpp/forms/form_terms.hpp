@@ -1,0 +1,26 @@
+#pragma once
+// What a form is made of, integral by integral: its measure, and which functions of which spaces it holds.
+
+#include "forms/cut_integral.hpp"
+
+namespace ngsxfem_contact
+{
+  using ngfem::ProxyFunction, ngfem::SumOfIntegrals;
+
+  struct FormTerm
+  {
+    shared_ptr<ngfem::Integral> integral;
+    shared_ptr<CrackedMesh> body;                     // of its measure; nullptr: a measure of NGSolve
+    Domain domain;
+    VorB vb;
+    std::optional<size_t> crack;                      // the only one that it is taken over
+    shared_ptr<ngcore::BitArray> elements, regions;   // that it is restricted to; nullptr: all
+    std::vector<shared_ptr<ProxyFunction>> trial, test;
+    bool element_normal;                              // holds NGSolve's normal vector, which is zero inside of elements
+  };
+
+  std::vector<FormTerm> TermsOf (const SumOfIntegrals & form);
+
+  /// The name of the differential operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ...
+  string OperatorName (const ProxyFunction & proxy);
+}

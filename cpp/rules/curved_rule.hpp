@@ -1,0 +1,18 @@
+#pragma once
+// Points and weights on the parts of elements that a curved crack bounds, and on the curve itself. No polyline: the
+// points lie on the right side of the curve, areas and lengths are exact to round-off, weights are positive.
+
+#include "rules/cut_rule.hpp"
+
+namespace ngsxfem_contact
+{
+  /// Gauss points of the cone x = A + ρ (γ(t) - A) over the curved side of a piece, weights ρ |(γ - A) × γ'|.
+  void AppendCone (const Piece & piece, const Crack & crack, int order, PointRule & rule);
+
+  /// The rule for a curved piece that meets the disk of a tip: in the coordinates of TipCurve where its curved side
+  /// belongs to that tip's crack and the functions are not smooth at the scale of the piece.
+  void AppendConeNearTip (const Piece & piece, const Crack & crack, int order, const TipQuadrature & tip, PointRule & rule);
+
+  /// Gauss on a curved part of Γ_C; in √r, and divided at the breaks and at break_distance from the tip, if tip != nullptr.
+  void AppendCurve (const Crack & crack, const Chord & chord, int order, const TipQuadrature * tip, double break_distance, PointRule & rule);
+}

@@ -1,0 +1,241 @@
+#include "spaces/diffops.hpp"
+
+namespace ngsxfem_contact
+{
+  using namespace ngfem;
+
+  CrackDiffOp :: CrackDiffOp (int adiff_order, Trace atrace, VorB avb)
+    : DifferentialOperator(adiff_order ? 4 : 2, 1, avb, adiff_order),
+      diff_order(adiff_order), trace(atrace), d(adiff_order ? 2 : 1)
+  {
+    if (diff_order) SetDimensions({ 2, 2 });
+  }
+
+  string NameOf (Trace trace)
+  {
+    static const std::map<Trace, string> names
+      { { Trace::Position, "" }, { Trace::Plus, "plus" }, { Trace::Minus, "minus" }, { Trace::Jump, "jump" }, { Trace::Larger, "larger" } };
+    return names.at(trace);
+  }
+
+  string CrackDiffOp :: Name () const
+  {
+    if (diff_order) return "grad" + NameOf(trace);
+    return trace == Trace::Position ? "Id" : NameOf(trace);
+  }
+
+  bool CrackDiffOp :: operator== (const DifferentialOperator & other) const
+  {
+    auto op = dynamic_cast<const CrackDiffOp*>(&other);
+    return op && op->diff_order == diff_order && op->trace == trace && op->VB() == VB();
+  }
+
+  shared_ptr<DifferentialOperator> CrackDiffOp :: GetTrace () const
+  {
+    if (diff_order || VB() == BND) return nullptr;
+    return make_shared<CrackDiffOp>(0, trace, BND);
+  }
+
+  namespace
+  {
+    Point PointOf (const BaseMappedIntegrationPoint & mip) { auto p = mip.GetPoint(); return Point(p(0), p(1)); }
+
+    Vec<2,SIMD<double>> PointOf (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
+    { auto p = mir.GetPoints(); return { p(i,0), p(i,1) }; }
+
+    /// visit(j, factor) for every Heaviside function.
+    template <typename F>
+    void VisitFactors (const CrackFiniteElement & fel, Trace trace, Vec<2,SIMD<double>> x, F && visit)
+    {
+      SidedPoint at[SIMD<double>::Size()];
+      for (size_t lane = 0; lane < SIMD<double>::Size(); lane++) at[lane] = fel.At(Point(x(0)[lane], x(1)[lane]));
+      for (size_t j = 0; j < fel.Heaviside().Size(); j++)
+        visit(j, SIMD<double>([&] (int lane) { return fel.HeavisideFactor(fel.Heaviside()[j], trace, at[lane]); }));
+    }
+  }
+
+  void CrackDiffOp :: CalcMatrix (const FiniteElement & bfel, const BaseMappedIntegrationPoint & mip,
+                                  BareSliceMatrix<double, ColMajor> mat, LocalHeap & lh) const
+  {
+    HeapReset hr(lh);
+    auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    size_t nd = fel.Scalar().GetNDof(), n = fel.NumScalar();
+    Point x = PointOf(mip);
+    FlatMatrix<double> shape(n, d, lh);
+    if (diff_order)
+      fel.Scalar().CalcMappedDShape(mip, shape);
+    else
+      fel.Scalar().CalcShape(mip.IP(), shape.Col(0));
+    auto at = fel.At(x);
+    for (size_t j = 0; j < fel.Heaviside().Size(); j++)
+      {
+        auto & function = fel.Heaviside()[j];
+        shape.Row(nd+j) = fel.HeavisideFactor(function, trace, at) * shape.Row(function.local);
+      }
+    if (trace == Trace::Jump) shape.Rows(0, nd) = 0;
+
+    mat.AddSize(Dim(), fel.GetNDof()) = 0;
+    for (size_t j = 0; j < n; j++)
+      for (size_t k = 0; k < 2; k++)
+        for (size_t l = 0; l < d; l++)
+          mat(k*d+l, k*n+j) = shape(j,l);
+    fel.VisitTipFunctions<double>(x, trace, [&] (size_t dof, const Vec<2,AutoDiff<2>> & f)
+    {
+      for (size_t k = 0; k < 2; k++)
+        for (size_t l = 0; l < d; l++)
+          mat(k*d+l, dof) = diff_order ? f(k).DValue(l) : f(k).Value();
+    });
+  }
+
+  void CrackDiffOp :: Apply (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, BareSliceVector<double> x,
+                             FlatVector<double> flux, LocalHeap & lh) const
+  {
+    HeapReset hr(lh);
+    FlatMatrix<double, ColMajor> mat(Dim(), fel.GetNDof(), lh);
+    CalcMatrix(fel, mip, mat, lh);
+    flux = mat * x.Range(0, fel.GetNDof());
+  }
+
+  void CrackDiffOp :: ApplyTrans (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, FlatVector<double> flux,
+                                  BareSliceVector<double> x, LocalHeap & lh) const
+  {
+    HeapReset hr(lh);
+    FlatMatrix<double, ColMajor> mat(Dim(), fel.GetNDof(), lh);
+    CalcMatrix(fel, mip, mat, lh);
+    x.Range(0, fel.GetNDof()) = Trans(mat) * flux;
+  }
+
+  /// The scalar functions compactly: row j*d+l is component l of function j.
+  void CrackDiffOp :: CalcScalar (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
+  {
+    if (diff_order)
+      fel.Scalar().CalcMappedDShape(mir, mat);
+    else
+      fel.Scalar().CalcShape(mir.IR(), mat);
+    if (fel.Heaviside().Size()) CalcHeaviside(fel, mir, mat);
+    if (trace == Trace::Jump)
+      mat.AddSize(fel.Scalar().GetNDof()*d, mir.Size()) = SIMD<double>(0.);
+  }
+
+  void CrackDiffOp :: CalcHeaviside (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
+  {
+    size_t nd = fel.Scalar().GetNDof();
+    for (size_t i = 0; i < mir.Size(); i++)
+      VisitFactors(fel, trace, PointOf(mir, i), [&] (size_t j, SIMD<double> factor)
+      {
+        for (size_t l = 0; l < d; l++)
+          mat((nd+j)*d+l, i) = factor * mat(fel.Heaviside()[j].local*d+l, i);
+      });
+  }
+
+  void CrackDiffOp :: CalcTips (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
+  {
+    for (size_t i = 0; i < mir.Size(); i++)
+      fel.VisitTipFunctions<SIMD<double>>(PointOf(mir, i), trace, [&] (size_t dof, const Vec<2,AutoDiff<2,SIMD<double>>> & f)
+      {
+        for (size_t k = 0; k < 2; k++)
+          for (size_t l = 0; l < d; l++)
+            mat(dof*2*d + k*d+l, i) = diff_order ? f(k).DValue(l) : f(k).Value();
+      });
+  }
+
+  void CrackDiffOp :: CalcMatrix (const FiniteElement & bfel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
+  {
+    auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    size_t n = fel.NumScalar();
+    CalcScalar(fel, mir, mat);
+    // spread over the two components, from the last function down: the compact rows lie where the first will go
+    for (size_t j = n; j-- > 0; )
+      for (size_t i = 0; i < mir.Size(); i++)
+        {
+          std::array<SIMD<double>,2> shape;
+          for (size_t l = 0; l < d; l++) shape[l] = mat(j*d+l, i);
+          for (size_t l = 0; l < d; l++)
+            {
+              mat(j*2*d+l, i) = shape[l];
+              mat(j*2*d+d+l, i) = SIMD<double>(0.);
+              mat((n+j)*2*d+l, i) = SIMD<double>(0.);
+              mat((n+j)*2*d+d+l, i) = shape[l];
+            }
+        }
+    if (fel.Tips().Size()) CalcTips(fel, mir, mat);
+  }
+
+  namespace
+  {
+    /// a_i + factor b_i: the coefficients of φ_i where all functions are multiples of φ_i.
+    template <typename F>
+    void VisitPolynomial (const CrackFiniteElement & fel, Trace trace, F && visit)
+    {
+      size_t nd = fel.Scalar().GetNDof();
+      SidedPoint anywhere = fel.At(Point(0., 0.));
+      for (size_t j = 0; j < fel.Heaviside().Size(); j++)
+        {
+          auto & function = fel.Heaviside()[j];
+          visit(function.local, nd+j, fel.HeavisideFactor(function, trace, anywhere));
+        }
+    }
+  }
+
+  void CrackDiffOp :: Apply (const FiniteElement & bfel, const SIMD_BaseMappedIntegrationRule & mir,
+                             BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const
+  {
+    auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    size_t nd = fel.Scalar().GetNDof(), n = fel.NumScalar();
+    if (!fel.IsPolynomial(trace))
+      {
+        Matrix<SIMD<double>> mat(fel.GetNDof()*Dim(), mir.Size());
+        CalcMatrix(fel, mir, mat);
+        flux.AddSize(Dim(), mir.Size()) = SIMD<double>(0.);
+        for (int j = 0; j < fel.GetNDof(); j++)
+          for (int k = 0; k < Dim(); k++)
+            flux.Row(k).Range(0, mir.Size()) += x(j) * mat.Row(j*Dim()+k);
+        return;
+      }
+    for (size_t k = 0; k < 2; k++)
+      {
+        ArrayMem<double, 50> mem(nd);
+        FlatVector<double> coefs(nd, mem.Data());
+        coefs = trace == Trace::Jump ? 0 : 1;
+        for (size_t i = 0; i < nd; i++) coefs(i) *= x(k*n+i);
+        VisitPolynomial(fel, trace, [&] (int local, size_t j, double factor) { coefs(local) += factor * x(k*n+j); });
+        if (diff_order)
+          fel.Scalar().EvaluateGrad(mir, coefs, flux.Rows(2*k, 2*k+2));
+        else
+          fel.Scalar().Evaluate(mir.IR(), coefs, flux.Row(k));
+      }
+  }
+
+  void CrackDiffOp :: AddTrans (const FiniteElement & bfel, const SIMD_BaseMappedIntegrationRule & mir,
+                                BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const
+  {
+    auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    size_t nd = fel.Scalar().GetNDof(), n = fel.NumScalar();
+    if (!fel.IsPolynomial(trace))
+      {
+        Matrix<SIMD<double>> mat(fel.GetNDof()*Dim(), mir.Size());
+        CalcMatrix(fel, mir, mat);
+        for (int j = 0; j < fel.GetNDof(); j++)
+          {
+            SIMD<double> sum(0.);
+            for (int k = 0; k < Dim(); k++)
+              for (size_t i = 0; i < mir.Size(); i++) sum += mat(j*Dim()+k, i) * flux(k, i);
+            x(j) += HSum(sum);
+          }
+        return;
+      }
+    for (size_t k = 0; k < 2; k++)
+      {
+        ArrayMem<double, 50> mem(nd);
+        FlatVector<double> coefs(nd, mem.Data());
+        coefs = 0;
+        if (diff_order)
+          fel.Scalar().AddGradTrans(mir, flux.Rows(2*k, 2*k+2), coefs);
+        else
+          fel.Scalar().AddTrans(mir.IR(), flux.Row(k), coefs);
+        if (trace != Trace::Jump)
+          for (size_t i = 0; i < nd; i++) x(k*n+i) += coefs(i);
+        VisitPolynomial(fel, trace, [&] (int local, size_t j, double factor) { x(k*n+j) += factor * coefs(local); });
+      }
+  }
+}

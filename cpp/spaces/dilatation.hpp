@@ -1,0 +1,36 @@
+#pragma once
+// D u, which takes the place of div u where the material is nearly incompressible: the L² projection Π of div u onto polynomials on each
+// part of an element, but for the singular divergence s of the tips' modes, D u = Π (div u - s) + s  (method.md, section 11).
+
+#include "spaces/diffops.hpp"
+
+namespace ngsxfem_contact
+{
+  enum class Dilatation { Projected, Singular };     // D u = Π div u + (1 - Π) s, or (1 - Π) s alone
+
+  class DilatationOp : public ngfem::DifferentialOperator
+  {
+    Dilatation kind;
+    Trace trace;
+    std::shared_ptr<const BodyRules> rules;            // for the functions of the space
+
+  public:
+    DilatationOp (Dilatation akind, Trace atrace, std::shared_ptr<const BodyRules> arules);
+
+    string Name() const override;
+    bool operator== (const ngfem::DifferentialOperator & other) const override;
+
+    using ngfem::DifferentialOperator::CalcMatrix, ngfem::DifferentialOperator::Apply, ngfem::DifferentialOperator::AddTrans;
+
+    void CalcMatrix (const FiniteElement & fel, const ngfem::BaseMappedIntegrationPoint & mip,
+                     BareSliceMatrix<double, ngfem::ColMajor> mat, LocalHeap & lh) const override;
+    void CalcMatrix (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+                     BareSliceMatrix<SIMD<double>> mat) const override;
+    void Apply (const FiniteElement & fel, const ngfem::BaseMappedIntegrationPoint & mip, BareSliceVector<double> x,
+                ngbla::FlatVector<double> flux, LocalHeap & lh) const override;
+    void Apply (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+                BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const override;
+    void AddTrans (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+                   BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const override;
+  };
+}

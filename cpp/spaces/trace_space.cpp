@@ -1,0 +1,340 @@
+#include "spaces/trace_space.hpp"
+#include <algorithm>
+
+namespace ngsxfem_contact
+{
+  using namespace ngcomp;
+
+  std::vector<double> MeshNodes (const CrackedMesh & body, size_t c, bool kinks)
+  {
+    auto & crack = body.GetCrack(c);
+    std::vector<double> all { 0, crack.Length() }, nodes;
+    auto is_joint = [&] (size_t i, double s) { return s == crack.ArcLength(i) || s == crack.ArcLength(i+1); };
+    auto is_kink = [&] (size_t i, double s) { return crack.IsKink(s == crack.ArcLength(i) ? i : i+1); };
+    for (auto & location : body.Location(c).Elements())
+      for (auto & chord : location.chords)
+        for (double s : { chord.s0, chord.s1 })
+          {
+            bool inner = s > location.S0() && s < location.S1();
+            if (!inner || !is_joint(chord.segment, s) || (kinks && is_kink(chord.segment, s))) all.push_back(s);
+          }
+    std::sort(all.begin(), all.end());
+    // two nodes that are nearly one would take signs apart which no displacement tells apart
+    double tolerance = 1e-6/geometric_tolerance*body.Location(c).Tolerance();
+    for (double s : all)
+      if (nodes.empty() || s-nodes.back() > tolerance) nodes.push_back(s);
+    nodes.back() = crack.Length();
+    return nodes;
+  }
+
+  namespace
+  {
+    /// Gauss-Lobatto points on [0, 1]: the ends and the zeros of P'_n, by Newton's method.
+    std::vector<double> LobattoPoints (int n)
+    {
+      std::vector<double> points(n+1);
+      for (int i = 0; i <= n; i++)
+        {
+          double x = -cos(M_PI*i/n);
+          for (int it = 0; it < 50 && i > 0 && i < n; it++)
+            {
+              double p0 = 1, p1 = x;
+              for (int k = 2; k <= n; k++) { double p2 = ((2*k-1)*x*p1 - (k-1)*p0)/k; p0 = p1; p1 = p2; }
+              double dp = n*(x*p1-p0)/(x*x-1), ddp = (2*x*dp - n*(n+1)*p1)/(1-x*x);
+              x -= dp/ddp;
+            }
+          points[i] = 0.5*(1+x);
+        }
+      return points;
+    }
+
+    class NodalTraceElement : public TraceElement
+    {
+      const Crack & crack;
+      FlatArray<const double> nodes;            // of the element's intervals
+      FlatArray<const double> lobatto;
+    public:
+      NodalTraceElement (const Crack & acrack, FlatArray<const double> anodes, FlatArray<const double> alobatto, int aorder)
+        : TraceElement(aorder ? (anodes.Size()-1)*aorder+1 : anodes.Size()-1, aorder), crack(acrack), nodes(anodes), lobatto(alobatto) { }
+
+      void CalcShape (const IntegrationPoint &, Point x, BareSliceVector<> shape) const override
+      {
+        double s = crack.ArcLength(crack.Nearest(x));
+        size_t i = std::lower_bound(&nodes[1], &nodes[nodes.Size()-1], s) - &nodes[1];
+        shape.Range(0, ndof) = 0;
+        if (order == 0) { shape(i) = 1; return; }
+        double t = (s-nodes[i])/(nodes[i+1]-nodes[i]);
+        for (int l = 0; l <= order; l++)
+          {
+            double value = 1;
+            for (int m = 0; m <= order; m++)
+              if (m != l) value *= (t-lobatto[m])/(lobatto[l]-lobatto[m]);
+            shape(i*order+l) = value;
+          }
+      }
+    };
+
+    class MeshTraceElement : public TraceElement
+    {
+      const BaseScalarFiniteElement & scalar;
+      FlatArray<int> used;
+    public:
+      MeshTraceElement (const BaseScalarFiniteElement & ascalar, FlatArray<int> aused)
+        : TraceElement(aused.Size(), ascalar.Order()), scalar(ascalar), used(aused) { }
+
+      void CalcShape (const IntegrationPoint & ip, Point, BareSliceVector<> shape) const override
+      {
+        ArrayMem<double, 50> mem(scalar.GetNDof());
+        FlatVector<> all(scalar.GetNDof(), mem.Data());
+        scalar.CalcShape(ip, all);
+        for (size_t i = 0; i < used.Size(); i++) shape(i) = all(used[i]);
+      }
+    };
+
+    /// The functions of each crack of an element, zero on the others.
+    class SharedTraceElement : public TraceElement
+    {
+      const std::vector<Crack> & cracks;
+      const CutElement & cut;
+      FlatArray<TraceElement*> parts;
+    public:
+      SharedTraceElement (const std::vector<Crack> & acracks, const CutElement & acut, FlatArray<TraceElement*> aparts)
+        : TraceElement(0, aparts[0]->Order()), cracks(acracks), cut(acut), parts(aparts)
+      { for (auto part : parts) ndof += part->GetNDof(); }
+
+      void CalcShape (const IntegrationPoint & ip, Point x, BareSliceVector<> shape) const override
+      {
+        shape.Range(0, ndof) = 0;
+        auto & on = cut.CrackAt(cracks, x);
+        size_t first = 0;
+        for (size_t k = 0; &cut.cracks[k] != &on; k++) first += parts[k]->GetNDof();
+        parts[&on - cut.cracks.data()]->CalcShape(ip, x, shape + first);
+      }
+    };
+
+    /// The element that `make` gives for each crack.
+    template <typename F>
+    FiniteElement & MakeElement (const CrackedMesh & body, size_t element, Allocator & alloc, F && make)
+    {
+      auto & cut = *body.Find(element);
+      if (!cut.IsShared()) return make(cut.cracks[0]);
+      FlatArray<TraceElement*> parts(cut.cracks.size(), static_cast<TraceElement**>(alloc.Alloc(cut.cracks.size()*sizeof(TraceElement*))));
+      for (size_t k = 0; k < cut.cracks.size(); k++) parts[k] = &make(cut.cracks[k]);
+      return *new (alloc) SharedTraceElement (body.Cracks(), cut, parts);
+    }
+
+    class TraceDiffOp : public DifferentialOperator
+    {
+    public:
+      TraceDiffOp () : DifferentialOperator(1, 1, VOL, 0) { SetDimensions(Array<int>()); }
+      string Name () const override { return "Id"; }
+      bool operator== (const DifferentialOperator & other) const override { return dynamic_cast<const TraceDiffOp*>(&other); }
+      using DifferentialOperator::CalcMatrix, DifferentialOperator::Apply, DifferentialOperator::AddTrans;
+
+      void CalcMatrix (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, BareSliceMatrix<double,ColMajor> mat, LocalHeap & lh) const override
+      {
+        HeapReset hr(lh);
+        if (fel.GetNDof() == 0) return;
+        FlatVector<> shape(fel.GetNDof(), lh);
+        auto x = mip.GetPoint();
+        static_cast<const TraceElement&>(fel).CalcShape(mip.IP(), Point(x(0), x(1)), shape);
+        for (int j = 0; j < fel.GetNDof(); j++) mat(0, j) = shape(j);
+      }
+
+      void CalcMatrix (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const override
+      {
+        if (fel.GetNDof() == 0) return;
+        constexpr int lanes = SIMD<double>::Size();
+        ArrayMem<double, 100> mem(fel.GetNDof()*lanes);
+        FlatMatrix<> shapes(lanes, fel.GetNDof(), mem.Data());
+        auto x = mir.GetPoints();
+        for (size_t i = 0; i < mir.Size(); i++)
+          {
+            for (int k = 0; k < lanes; k++)
+              static_cast<const TraceElement&>(fel).CalcShape
+                (IntegrationPoint(mir.IR()[i](0)[k], mir.IR()[i](1)[k], 0, 0), Point(x(i,0)[k], x(i,1)[k]), shapes.Row(k));
+            for (int j = 0; j < fel.GetNDof(); j++)
+              mat(j, i) = SIMD<double>([&] (int k) { return shapes(k, j); });
+          }
+      }
+
+      void Apply (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const override
+      {
+        Matrix<SIMD<double>> mat(fel.GetNDof(), mir.Size());
+        CalcMatrix(fel, mir, mat);
+        for (size_t i = 0; i < mir.Size(); i++)
+          {
+            SIMD<double> sum(0.);
+            for (int j = 0; j < fel.GetNDof(); j++) sum += x(j) * mat(j, i);
+            flux(0, i) = sum;
+          }
+      }
+
+      void AddTrans (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const override
+      {
+        Matrix<SIMD<double>> mat(fel.GetNDof(), mir.Size());
+        CalcMatrix(fel, mir, mat);
+        for (int j = 0; j < fel.GetNDof(); j++)
+          {
+            SIMD<double> sum(0.);
+            for (size_t i = 0; i < mir.Size(); i++) sum += mat(j, i) * flux(0, i);
+            x(j) += HSum(sum);
+          }
+      }
+    };
+  }
+
+  NodalTraceBasis :: NodalTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, CrackNodes anodes)
+    : body(abody), order(aorder), nodes(std::move(anodes)), lobatto(order ? LobattoPoints(order) : std::vector<double>())
+  {
+    if (order < 0) throw Exception("TraceSpace: order=" + ngcore::ToString(order) + " must be 0 or more");
+    if (nodes.size() != body->NumCracks())
+      throw Exception("TraceSpace: nodes for " + ngcore::ToString(nodes.size()) + " cracks, but the body has " + ngcore::ToString(body->NumCracks()));
+    first.push_back(0);
+    for (size_t c = 0; c < nodes.size(); c++)
+      {
+        double length = body->GetCrack(c).Length();
+        bool increasing = nodes[c].size() > 1 && std::abs(nodes[c].front()) <= 1e-10*length && std::abs(nodes[c].back()-length) <= 1e-10*length;
+        for (size_t i = 0; i+1 < nodes[c].size(); i++) increasing = increasing && nodes[c][i] < nodes[c][i+1];
+        if (!increasing)
+          throw Exception("TraceSpace: the nodes on crack " + ngcore::ToString(c) + " must be arc lengths that increase from 0 to its length " + ngcore::ToString(length));
+        size_t intervals = nodes[c].size()-1;
+        first.push_back(first.back() + (order ? intervals*order+1 : intervals));
+      }
+  }
+
+  std::vector<double> NodalTraceBasis :: DofPositions (size_t c) const
+  {
+    body->GetCrack(c);                    // throws if there is none
+    std::vector<double> positions;
+    for (size_t i = 0; i+1 < nodes[c].size(); i++)
+      if (order == 0)
+        positions.push_back(0.5*(nodes[c][i]+nodes[c][i+1]));
+      else
+        for (int l = 0; l < order; l++)
+          positions.push_back(nodes[c][i] + lobatto[l]*(nodes[c][i+1]-nodes[c][i]));
+    if (order) positions.push_back(nodes[c].back());
+    return positions;
+  }
+
+  /// Intervals are longer than 4 tolerances (MeshNodes), chords longer than one; an end of a chord lies on a node or less than
+  /// 4 tolerances behind it.
+  std::pair<size_t,size_t> NodalTraceBasis :: Intervals (const ElementCrack & here) const
+  {
+    double tolerance = body->Location(here.crack).Tolerance();
+    auto & s = nodes[here.crack];
+    size_t lo = std::upper_bound(s.begin(), s.end(), here.location->S0()+0.5*tolerance) - s.begin() - 1;
+    size_t hi = std::lower_bound(s.begin(), s.end(), here.location->S1()-4.001*tolerance) - s.begin();
+    lo = std::min(lo, s.size()-2);
+    return { lo, std::max(hi, lo+1) };
+  }
+
+  void NodalTraceBasis :: GetDofNrs (size_t element, Array<DofId> & dnums) const
+  {
+    for (auto & here : body->Find(element)->cracks)
+      {
+        auto [lo, hi] = Intervals(here);
+        size_t n = order ? (hi-lo)*order+1 : hi-lo;
+        for (size_t i = 0; i < n; i++) dnums.Append(first[here.crack] + (order ? lo*order : lo) + i);
+      }
+  }
+
+  FiniteElement & NodalTraceBasis :: GetFE (size_t element, Allocator & alloc) const
+  {
+    return MakeElement(*body, element, alloc, [&] (const ElementCrack & here) -> TraceElement &
+    {
+      auto [lo, hi] = Intervals(here);
+      return *new (alloc) NodalTraceElement (body->Cracks()[here.crack], FlatArray<const double>(hi-lo+1, nodes[here.crack].data()+lo),
+                                             FlatArray<const double>(lobatto.size(), lobatto.data()), order);
+    });
+  }
+
+  MeshTraceBasis :: MeshTraceBasis (shared_ptr<CrackedMesh> abody, int order, CrackNodes anodes, std::set<size_t> aleft_out)
+    : body(abody), left_out(std::move(aleft_out)), nodes(std::move(anodes))
+  {
+    Flags flags;
+    flags.SetFlag("order", order);
+    scalar = CreateFESpace("h1ho", body->GetMesh(), flags);
+    scalar->Update();
+    scalar->FinalizeUpdate();
+    number.assign(body->NumCracks(), std::vector<int>(scalar->GetNDof(), -1));
+    Array<DofId> dofs;
+    size_t candidate = 0;
+    for (size_t c = 0; c < body->NumCracks(); c++)
+      {
+        std::set<DofId> used;
+        for (auto & location : body->Location(c).Elements())
+          {
+            scalar->GetDofNrs(ElementId(VOL, location.element), dofs);
+            for (auto dof : dofs) used.insert(dof);
+          }
+        for (auto dof : used)
+          if (!left_out.count(candidate++)) number[c][dof] = int(ndof++);
+      }
+  }
+
+  void MeshTraceBasis :: GetDofNrs (size_t element, Array<DofId> & dnums) const
+  {
+    ArrayMem<DofId, 50> dofs;
+    scalar->GetDofNrs(ElementId(VOL, element), dofs);
+    for (auto & here : body->Find(element)->cracks)
+      for (auto dof : dofs)
+        if (int i = number[here.crack][dof]; i >= 0) dnums.Append(i);
+  }
+
+  FiniteElement & MeshTraceBasis :: GetFE (size_t element, Allocator & alloc) const
+  {
+    ArrayMem<DofId, 50> dofs;
+    scalar->GetDofNrs(ElementId(VOL, element), dofs);
+    auto & fe = static_cast<BaseScalarFiniteElement&>(scalar->GetFE(ElementId(VOL, element), alloc));
+    return MakeElement(*body, element, alloc, [&] (const ElementCrack & here) -> TraceElement &
+    {
+      int n = 0, * local = static_cast<int*>(alloc.Alloc(dofs.Size()*sizeof(int)));
+      for (size_t i = 0; i < dofs.Size(); i++)
+        if (number[here.crack][dofs[i]] >= 0) local[n++] = int(i);
+      return *new (alloc) MeshTraceElement (fe, FlatArray<int>(n, local));
+    });
+  }
+
+  TraceSpace :: TraceSpace (shared_ptr<CrackedMesh> abody, shared_ptr<TraceBasis> abasis, const Flags & flags)
+    : FESpace(abody->GetMesh(), Flags(flags).SetFlag("autoupdate", false)), body(abody), basis(abasis), rules(RulesOf(abody, {}))
+  {
+    type = "tracespace";
+    evaluator[VOL] = make_shared<TraceDiffOp>();
+  }
+
+  CutDifferentialSymbol TraceSpace :: CrackSymbol () const
+  {
+    CutDifferentialSymbol dcrack(Measure { body, { Domain::Crack, basis->Nodes(), std::nullopt } }, VOL);
+    dcrack.definedonelements = body->CrackElements();
+    return dcrack;
+  }
+
+  void TraceSpace :: Update ()
+  {
+    body->CheckMesh();
+    FESpace::Update();
+    SetNDof(basis->NDof());
+    ctofdof.SetSize(ndof);
+    ctofdof = WIREBASKET_DOF;
+  }
+
+  FiniteElement & TraceSpace :: GetFE (ElementId ei, Allocator & alloc) const
+  {
+    body->CheckMesh();
+    if (ei.VB() == VOL)
+      {
+        if (body->Find(ei.Nr())) return basis->GetFE(ei.Nr(), alloc);
+        return *new (alloc) DummyFE<ET_TRIG>();
+      }
+    if (ei.VB() == BND) return *new (alloc) DummyFE<ET_SEGM>();
+    return *new (alloc) DummyFE<ET_POINT>();
+  }
+
+  void TraceSpace :: GetDofNrs (ElementId ei, Array<DofId> & dnums) const
+  {
+    body->CheckMesh();
+    dnums.SetSize0();
+    if (ei.VB() == VOL && body->Find(ei.Nr())) basis->GetDofNrs(ei.Nr(), dnums);
+  }
+}

@@ -1,0 +1,1 @@
+"""Linear algebra and the nonlinear methods on the unknowns of cracks: matrices and vectors, no body and no space."""

@@ -1,0 +1,135 @@
+"""The semi-smooth Newton method for (39) of [AHLMR12], which is an active-set method, on the crack's own unknowns.
+
+With the displacements eliminated the problem is: find p ≤ 0 with w = Q p + q ≤ 0 and p·w = 0, Q positive definite, symmetric
+except for Nitsche's method with θ ≠ 1. Its projection form p = min(0, p - r w) is solved by: i is active (in contact) where p_i - r w_i < 0; active
+rows read w_i = 0, the others p_i = 0. After one step either p_i or w_i is zero, so the answer and, from the second step
+on, the iterates do not depend on r > 0. An index changes sides only by more than round-off: where contact is lost with
+zero pressure, p_i and w_i are both zero.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arguments import check_positive
+from ..errors import NotConverged
+from .box_path import AT_UPPER, INSIDE, follow_path
+
+ROUND_OFF = 1e-12
+
+
+@dataclass
+class ActiveSetResult:
+    """p: the solution.  active: the set of each iteration (boolean arrays).  fallback: steps of descend after a cycle."""
+
+    p: np.ndarray
+    active: list
+    fallback: int
+
+    @property
+    def iterations(self):
+        """Sets that were tried, the first one among them."""
+        return len(self.active)
+
+
+def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
+    """Solves p ≤ 0, w = Qp + q ≤ 0, p·w = 0.
+
+    Q: (m, m), positive definite, in any scaling.    r: positive; relative to 1/diag(Q).
+    start: first active set, boolean; default empty, see coarse_start.
+    If a set comes back (a cycle) a method that decreases the energy at every step takes over, see descend; without symmetry, box_path.
+    Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
+    """
+    check_positive(r, "r")
+    r = r / np.diag(Q)
+    active = np.zeros(len(q), dtype=bool) if start is None else np.array(start, dtype=bool)
+    if active.shape != q.shape:
+        raise ValueError(f"start has {active.size} entries, there are {len(q)} nodal signs; give one boolean for each, or a ContactSolution")
+    history = [active]
+    seen = {active.tobytes()}
+    for _ in range(max_iterations):
+        p, w = solve_equalities(Q, q, active)
+        y = p - r * w
+        new = y < np.where(active, 1, -1) * ROUND_OFF * np.abs(y).max()
+        history.append(new)
+        if np.array_equal(new, active):
+            return ActiveSetResult(p, history, 0)
+        if new.tobytes() in seen:
+            return descend(Q, q, history) if is_symmetric(Q) else along_path(Q, q, history)
+        seen.add(new.tobytes())
+        active = new
+    raise NotConverged(
+        f"the active set still changed after {max_iterations} iterations (sizes {[int(a.sum()) for a in history[-5:]]}): allow more by max_iterations=..., or give a better start=..."
+    )
+
+
+def coarse_start(Q, q, smallest=4):
+    """A first active set from coarser problems, and the number of iterations on them.
+
+    Two neighbours share one unknown, p = P p_c, which keeps p ≤ 0: solve with PᵀQP, Pᵀq, itself started from half as many
+    unknowns. The problem's unknowns must follow the crack, neighbours beside each other.
+    """
+    m = len(q)
+    if m <= smallest:
+        return np.zeros(m, dtype=bool), 0
+    pairs = np.arange(0, m, 2)
+    Qc, qc = np.add.reduceat(np.add.reduceat(Q, pairs, axis=0), pairs, axis=1), np.add.reduceat(q, pairs)
+    start, iterations = coarse_start(Qc, qc, smallest)
+    result = solve_active_set(Qc, qc, start=start)
+    return np.repeat(result.active[-1], 2)[:m], iterations + result.iterations
+
+
+def solve_equalities(Q, q, active):
+    """p and w with w = 0 on the active set and p = 0 elsewhere."""
+    p = np.zeros(len(q))
+    if active.any():
+        p[active] = np.linalg.solve(Q[np.ix_(active, active)], -q[active])
+    w = Q @ p + q
+    w[active] = 0
+    return p, w
+
+
+def descend(Q, q, history):
+    """The active set of Lawson and Hanson (1974): ½pᵀQp + qᵀp falls at every step, so that no set comes back.
+
+    One index enters at a time, that of the largest violation; indices leave where p would become positive. Ends for every
+    symmetric positive definite Q, as a rule after about m steps. (Pivoting by the least violated index ends, too, but takes
+    2^m steps on the matrices of Fathi, Math. Programming 17 (1979).)
+    """
+    p, active = np.zeros(len(q)), np.zeros(len(q), dtype=bool)
+    scale = 1 / np.sqrt(np.diag(Q))
+    for step in range(100 * len(q)):
+        w = scale * (Q @ p + q)
+        w[active] = 0
+        if w.max() <= ROUND_OFF * np.abs(scale * q).max():
+            return ActiveSetResult(p, history + [active.copy()], step)
+        active[np.argmax(w)] = True
+        p, active = move_to_equilibrium(Q, q, p, active)
+    raise NotConverged(f"the active set cycles, and {100 * len(q)} steps of descent were not enough: refine or change the mesh where the crack is")
+
+
+def is_symmetric(Q):
+    """But for round-off, in any scaling."""
+    scale = 1 / np.sqrt(np.diag(Q))
+    return bool((np.abs(Q - Q.T) * scale * scale[:, None]).max() < 1e-10)
+
+
+def along_path(Q, q, history):
+    """From the last set, for any positive definite Q."""
+    p, states, changes = follow_path(Q, q, np.full(len(q), -np.inf), np.zeros(len(q)), np.where(history[-1], INSIDE, AT_UPPER))
+    return ActiveSetResult(p, history + [states == INSIDE], changes)
+
+
+def move_to_equilibrium(Q, q, p, active):
+    """To w = 0 on the active set, which gives up indices as long as p would not stay ≤ 0."""
+    while True:
+        target, _ = solve_equalities(Q, q, active)
+        wrong = active & (target > 0)
+        if not wrong.any():
+            return target, active
+        steps = p[wrong] / (p[wrong] - target[wrong])
+        p = np.where(active, p + steps.min() * (target - p), 0)
+        leaving = np.flatnonzero(wrong)[steps <= steps.min() * (1 + 1e-12)]
+        active = active.copy()
+        active[leaving] = False
+        p[leaving] = 0

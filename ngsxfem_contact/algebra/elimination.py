@@ -1,0 +1,169 @@
+"""Elimination of the displacements: what is left are the crack's own unknowns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BitArray
+from scipy.sparse import csr_matrix, vstack
+
+from .. import _ngsxfem_contact as core
+from . import pardiso
+from .matrices import csr_view, mask
+
+PARDISO_PAYS = 30_000  # unknowns; below, NGSolve's sparse Cholesky is as fast or faster (docs/measured.md)
+
+
+class BackSubstitution:
+    """K A⁻¹ Kᵀ by one solve for each row of K, with any direct solver of NGSolve."""
+
+    def __init__(self, matrix, inner, K, inverse):
+        self.name, self.K = inverse, K
+        self.factors = matrix.Inverse(inner, inverse=inverse)
+        self.x, self.r = matrix.CreateColVector(), matrix.CreateColVector()
+        self.schur = self.Schur()
+        self.positive = None
+
+    def Schur(self):
+        """K A⁻¹ Kᵀ, dense."""
+        rows = self.K.tocsr()
+        columns = np.array([self.Couple(row.toarray().ravel()) for row in rows])
+        S = columns.reshape((rows.shape[0],) * 2)
+        return 0.5 * (S + S.T)
+
+    def Solve(self, rhs):
+        """A⁻¹ rhs; zero where an unknown is not in the factorisation."""
+        self.r.FV().NumPy()[:] = rhs
+        self.x.data = self.factors * self.r
+        return self.x.FV().NumPy().copy()
+
+    def Couple(self, rhs):
+        """K A⁻¹ rhs."""
+        return self.K @ self.Solve(rhs)
+
+
+class PartialFactorisation(BackSubstitution):
+    """K A⁻¹ Kᵀ from NGSolve's sparse Cholesky factors: one sweep through the blocks that K reaches, all rows at once."""
+
+    def __init__(self, matrix, inner, K):
+        super().__init__(matrix, inner, K, "sparsecholesky")
+        self.positive = core.NumNegativePivots(self.factors) == 0
+
+    def Schur(self):
+        """K A⁻¹ Kᵀ, dense."""
+        return core.SchurComplement(self.factors, self.K.shape[0], self.K.indptr, self.K.indices, self.K.data)
+
+
+def factorise(matrix, inner, K, inverse):
+    """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy that goes with a direct solver of NGSolve."""
+    inverse = inverse or default_inverse(matrix.height)
+    strategies = {"sparsecholesky": PartialFactorisation, "pardiso": pardiso.Pardiso}
+    if inverse in strategies:
+        return strategies[inverse](matrix, inner, K)
+    return BackSubstitution(matrix, inner, K, inverse)
+
+
+def default_inverse(size):
+    """MKL's Pardiso where it is installed and worth it."""
+    return "pardiso" if size > PARDISO_PAYS and pardiso.is_available() else "sparsecholesky"
+
+
+@dataclass
+class ReducedLoad:
+    """A right-hand side F with A⁻¹F as the crack feels it.  border: what is left of F at the tips' unknowns.  crack: C A⁻¹F.
+
+    Linear in F: reduced loads add and are multiplied by numbers.
+    """
+
+    rhs: np.ndarray
+    border: np.ndarray
+    crack: np.ndarray
+
+    def __add__(self, other):
+        return ReducedLoad(self.rhs + other.rhs, self.border + other.border, self.crack + other.crack)
+
+    def __rmul__(self, factor):
+        return ReducedLoad(factor * self.rhs, factor * self.border, factor * self.crack)
+
+
+def unit_scale(diagonal):
+    """1/√|a_ii|, which makes a diagonal of ±1; 1 where it is zero."""
+    size = np.sqrt(np.abs(diagonal))
+    return 1 / np.where(size > 0, size, 1)
+
+
+class Elimination:
+    """A symmetric positive definite matrix A, factorised, and S = C A⁻¹ Cᵀ for a sparse C (m, ndof).
+
+    Long rows would ruin the ordering of a sparse factorisation: they stay outside of it, as a border, eliminated by block elimination.
+
+    free: BitArray of the unknowns that are not fixed.    border: those whose rows are long, see `spaces.unknowns.tip_unknowns`.
+    inverse: name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by
+        one solve for each row of C.
+    S: dense (m, m).    positive: whether A is positive definite; None if the direct solver does not tell.
+    """
+
+    def __init__(self, matrix, free, border=(), C=None, inverse=None):
+        self.matrix, self.C = matrix, csr_matrix((0, matrix.height)) if C is None else C
+        self.fixed = ~mask(free)
+        self.scale = np.where(self.fixed, 0, unit_scale(csr_view(matrix).diagonal()))
+        self.border = np.array([dof for dof in border if free[int(dof)]], dtype=int)
+        inner = BitArray(free)
+        for dof in self.border:
+            inner.Clear(int(dof))
+        self.border_rows = csr_view(matrix)[self.border]
+        K = vstack([self.border_rows, self.C]).tocsc()
+        self.factors = factorise(matrix, inner, K, inverse)
+        self.name = self.factors.name
+        self._eliminate_border(self.factors.schur)
+
+    def _eliminate_border(self, schur):
+        t = len(self.border)
+        matrix = self.border_rows[:, self.border].toarray() - schur[:t, :t]
+        self.border_scale = unit_scale(np.diag(matrix))  # tips with different functions have unknowns of different units
+        self.border_matrix = matrix * self.border_scale * self.border_scale[:, None]
+        self.coupling = self.C[:, self.border].toarray() - schur[t:, :t]
+        self.S = schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T)
+        self.positive = self.factors.positive and bool(np.all(np.linalg.eigvalsh(self.border_matrix) > 0))
+
+    def _at_border(self, forces):
+        return (self.border_scale * np.linalg.solve(self.border_matrix, (self.border_scale * forces.T).T).T).T
+
+    def Reduce(self, rhs):
+        """The ReducedLoad of a right-hand side of length ndof."""
+        t = len(self.border)
+        coupled = self.factors.Couple(rhs)
+        border = rhs[self.border] - coupled[:t]
+        return ReducedLoad(rhs, border, coupled[t:] + self.coupling @ self._at_border(border))
+
+    def Recover(self, load, L=None):
+        """A⁻¹(F + CᵀL) of a ReducedLoad; zero on fixed unknowns."""
+        rhs, border = load.rhs, load.border
+        if L is not None:
+            rhs, border = rhs + self.C.T @ L, border + self.coupling.T @ L
+        at_border = self._at_border(border)
+        x = self.factors.Solve(rhs - self.border_rows.T @ at_border)
+        x[self.border] = at_border
+        return x
+
+    def Solve(self, rhs):
+        """A⁻¹ rhs; zero on fixed unknowns."""
+        return self.Recover(self.Reduce(rhs))
+
+    def SolveRefined(self, rhs):
+        """The same with one step of iterative refinement."""
+        x = self.Solve(rhs)
+        return x + self.Solve(self.Residual(rhs, x))
+
+    def RelativeResidual(self, forces, x):
+        """Of A x = Σ forces, each row divided by √A_ii, so that no unit counts; relative to the largest of the terms that cancel."""
+        terms = [self.scale * force for force in forces] + [x[~self.fixed] / self.scale[~self.fixed]]
+        size = max(np.abs(term).max(initial=0) for term in terms)
+        residual = np.abs(self.scale * self.Residual(sum(forces), x)).max(initial=0)
+        return float(residual / size) if size else 0.0
+
+    def Residual(self, rhs, x):
+        """rhs - A x on the free unknowns, zero on the others."""
+        r, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
+        r.FV().NumPy()[:] = x
+        y.data = self.matrix * r
+        return np.where(self.fixed, 0, rhs - y.FV().NumPy())

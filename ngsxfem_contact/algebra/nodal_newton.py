@@ -1,0 +1,295 @@
+"""The semi-smooth Newton method for contact with friction, on the crack's own unknowns.
+
+With the displacements eliminated the problem is: find p = (p_n, p_t), w = Q p + q with, at each of m nodes,
+
+    p_n ≤ 0,  w_n ≤ 0,  p_n w_n = 0,
+    |p_t| ≤ s,  w_t = 0 where |p_t| < s,  w_t ≤ 0 where p_t = s,  w_t ≥ 0 where p_t = -s,
+
+Q positive definite (symmetric except for Nitsche's method with θ ≠ 1). -w_n is a mean of the gap, -w_t of the slip, so p_t has the sign of the slip. Where s is
+given (Tresca) there is one solution, for symmetric Q the minimum of ½p·Qp + q·p between bounds; where s = slope |p_n| (Coulomb) it is the solution
+of a quasi-variational inequality, which need not be unique. In the projection form, y = p - r w with any r > 0,
+
+    p_n = min(0, y_n),    p_t = min(s, max(-s, y_t)),    s = s(y_n),
+
+each node is open or in contact and sticks, slips in one of two directions, or has no threshold. For given states the
+problem is linear; Newton's method solves it and reads the next states from y, until they repeat.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.linalg import eigvalsh
+
+from ..arguments import check_positive, check_whole
+from ..errors import NotConverged
+from .active_set import ROUND_OFF
+from .box_path import AT_LOWER, AT_UPPER, INSIDE, follow_path
+
+FREE, SLIP_PLUS, SLIP_MINUS, STICK = 0, 1, -1, 2
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """s = base + slope |p_n| at each node, arrays ≥ 0; in_contact_only: zero at nodes that are not in contact."""
+
+    base: np.ndarray
+    slope: np.ndarray
+    in_contact_only: bool = False
+
+    @property
+    def is_fixed(self):
+        """Whether s does not depend on the solution."""
+        return not self.in_contact_only and not self.slope.any()
+
+    def At(self, p_n, contact):
+        """s for normal values and nodes in contact."""
+        base = np.where(contact, self.base, 0) if self.in_contact_only else self.base
+        return base + self.slope * np.where(contact, np.maximum(-p_n, 0), 0)
+
+    def Scaled(self, factor):
+        """For values p / factor."""
+        return replace(self, base=self.base / factor)
+
+
+@dataclass(frozen=True)
+class States:
+    """contact: (m,) bool.    tangential: (m,) int: STICK, SLIP_PLUS (p_t = s), SLIP_MINUS (p_t = -s), FREE (s = 0)."""
+
+    contact: np.ndarray
+    tangential: np.ndarray
+
+    @property
+    def key(self):
+        """For comparison and sets."""
+        return self.contact.tobytes() + self.tangential.tobytes()
+
+
+@dataclass
+class NodalResult:
+    """p: the solution.  states: of each iteration.  fallback: steps of the safeguard.  method: what led to p, in words."""
+
+    p: np.ndarray
+    states: list
+    fallback: int = 0
+    method: str = ""
+    threshold_changes: list = field(default_factory=list)
+
+    @property
+    def iterations(self):
+        """Sets of states that were tried, the first one among them."""
+        return len(self.states)
+
+
+class Cycle(Exception):
+    """Newton's method left its track: a set of states came back, or its matrix was singular."""
+
+    def __init__(self, states, reason):
+        super().__init__(reason)
+        self.states = states
+
+
+def solve_states(Q, q, threshold, states):
+    """p and w for given states: w_n = 0 in contact, w_t = 0 where the node sticks, p_n = 0 and p_t = 0, s or -s elsewhere."""
+    contact, m = states.contact, len(states.contact)
+    stick = states.tangential == STICK
+    sign = np.where(stick, 0, states.tangential)
+    follows = np.where(contact, -sign * threshold.slope, 0)  # of p_t with p_n where the node slips
+    unknown = np.concatenate([contact, stick])
+    p = np.concatenate([np.zeros(m), sign * threshold.base])
+    matrix = Q[np.ix_(unknown, unknown)]
+    number = np.count_nonzero(contact)
+    matrix[:, :number] += Q[unknown, m:][:, contact] * follows[contact]
+    p[unknown] = np.linalg.solve(matrix, -(q + Q @ p)[unknown])
+    p[m:] += follows * p[:m]
+    w = Q @ p + q
+    w[unknown] = 0
+    return p, w
+
+
+def first_states(Q, q, threshold, contact):
+    """States for given nodes in contact: all nodes with a threshold stick, if that exceeds no threshold; else all slip as without friction.
+
+    Slip regions shrink in a few Newton steps, sticking ones from their ends only, a node or two in each step.
+    """
+    contact = np.array(contact, dtype=bool)
+    m = len(contact)
+    has_threshold = threshold.At(-np.ones(m), contact) > 0
+    stick = States(contact, np.where(has_threshold, STICK, FREE))
+    p, _ = solve_states(Q, q, threshold, stick)
+    if (np.abs(p[m:]) <= threshold.At(p[:m], contact)).all():
+        return stick
+    _, w = solve_states(Q, q, threshold, States(contact, np.full(m, FREE)))
+    return States(contact, np.where(has_threshold, np.where(w[m:] > 0, SLIP_MINUS, SLIP_PLUS), FREE))
+
+
+def next_states(p, w, r, threshold, states):
+    """The states that y = p - r w asks for; a node changes only by more than round-off."""
+    m = len(states.contact)
+    y = p - r * w
+    tolerance = ROUND_OFF * np.abs(y).max()
+    contact = y[:m] < np.where(states.contact, 1, -1) * tolerance
+    s, y_t, old = threshold.At(y[:m], contact), y[m:], states.tangential
+    plus = y_t - s > np.where(old == SLIP_PLUS, -tolerance, tolerance)
+    minus = -y_t - s > np.where(old == SLIP_MINUS, -tolerance, tolerance)
+    tangential = np.where(plus & ~(minus & (old == SLIP_MINUS)), SLIP_PLUS, np.where(minus, SLIP_MINUS, STICK))
+    return States(contact, np.where(s > 0, tangential, FREE))
+
+
+def newton(Q, q, threshold, r, start, max_iterations):
+    """A NodalResult; raises Cycle, and NotConverged after max_iterations.    r: (2m,), positive."""
+    states, history, seen = start, [start], {start.key}
+    for _ in range(max_iterations):
+        try:
+            p, w = solve_states(Q, q, threshold, states)
+        except np.linalg.LinAlgError:
+            raise Cycle(history, "the Newton matrix is singular") from None
+        new = next_states(p, w, r, threshold, states)
+        history.append(new)
+        if new.key == states.key:
+            return NodalResult(p, history)
+        if new.key in seen:
+            raise Cycle(history, "a set of states came back")
+        seen.add(new.key)
+        states = new
+    sizes = [int(s.contact.sum()) for s in history[-5:]]
+    raise NotConverged(
+        f"the nodal states still changed after {max_iterations} iterations (in contact {sizes}): allow more by max_iterations=..., or give a better start=..."
+    )
+
+
+def safeguarded(Q, q, s, states):
+    """For given thresholds: the path from given states (box_path), p_n ≤ 0 and |p_t| ≤ s being its bounds; a NodalResult."""
+    m, tangential = len(s), states.tangential
+    lower, upper = np.concatenate([np.full(m, -np.inf), -s]), np.concatenate([np.zeros(m), s])
+    contact = np.where(states.contact, INSIDE, AT_UPPER)
+    start = np.concatenate([contact, np.where(tangential == STICK, INSIDE, np.where(tangential == SLIP_MINUS, AT_LOWER, AT_UPPER))])
+    p, found, changes = follow_path(Q, q, lower, upper, start)
+    slips = np.where(found[m:] == INSIDE, STICK, np.where(found[m:] == AT_UPPER, SLIP_PLUS, SLIP_MINUS))
+    return NodalResult(p, [States(found[:m] == INSIDE, np.where(s > 0, slips, FREE))], changes)
+
+
+def fixed_threshold(Q, q, s, r, start, max_iterations):
+    """The problem with given thresholds: Newton's method, and where it cycles a path."""
+    threshold = Threshold(s, np.zeros(len(s)))
+    try:
+        return newton(Q, q, threshold, r, start, max_iterations)
+    except Cycle as cycle:
+        result = safeguarded(Q, q, s, cycle.states[-1])
+        return replace(result, states=cycle.states + result.states)
+
+
+@dataclass(frozen=True)
+class FixedPoint:
+    """Coulomb's law as a sequence of given thresholds: s ← s(p_n), each a problem with one solution.
+
+    tolerance: of the change of s, relative to the largest.    max_iterations: number of thresholds.
+    """
+
+    tolerance: float = 1e-12
+    max_iterations: int = 200
+
+    def __post_init__(self):
+        check_positive(self.tolerance, "FixedPoint: tolerance")
+        check_whole(self.max_iterations, "FixedPoint: max_iterations", 1)
+
+    def Solve(self, Q, q, threshold, r, start, max_iterations):
+        """A NodalResult; raises NotConverged where the thresholds do not settle."""
+        m = len(start.contact)
+        s, result, changes = threshold.At(np.zeros(m), start.contact), None, []
+        history, fallback = [], 0
+        for _ in range(self.max_iterations):
+            result = fixed_threshold(Q, q, s, r, start, max_iterations)
+            start, history, fallback = result.states[-1], history + result.states, fallback + result.fallback
+            new = threshold.At(result.p[:m], start.contact)
+            changes.append(float(np.abs(new - s).max() / max(np.abs(new).max(), np.finfo(float).tiny)))
+            s = new
+            if self._settled(changes):
+                return self._finished(Q, q, threshold, r, NodalResult(result.p, history, fallback, threshold_changes=changes))
+        raise NotConverged(
+            f"the fixed point on the threshold still changed it, relatively by {' '.join(f'{change:.1e}' for change in changes[-3:])} in the last of "
+            f"{len(changes)} steps: if that does not contract, the friction law may have no or several solutions for this friction coefficient "
+            "and mesh; if it does, allow more by FixedPoint(max_iterations=...)"
+        )
+
+    def _settled(self, changes, round_off=1e-9):
+        """Whether the last change is within the tolerance, or small and no longer falling: the round-off of an ill-conditioned Q is all that is left."""
+        return changes[-1] <= self.tolerance or (len(changes) > 5 and round_off > changes[-1] > 0.5 * changes[-6])
+
+    def _finished(self, Q, q, threshold, r, result):
+        """With one Newton step from the states found, if it confirms them: p then satisfies the law to round-off."""
+        last = result.states[-1]
+        states = States(last.contact, np.where(threshold.At(result.p[: len(last.contact)], last.contact) > 0, last.tangential, FREE))
+        try:
+            result.p = newton(Q, q, threshold, r, states, 1).p
+        except (Cycle, NotConverged):
+            pass
+        result.method = f"fixed point on the threshold ({len(result.threshold_changes)} steps)"
+        return result
+
+
+@dataclass(frozen=True)
+class FullNewton:
+    """Newton's method on the whole problem, the threshold's dependence on p_n in its matrix; if it cycles, a safeguard.
+
+    The safeguard is `box_path.follow_path` where s is given, and otherwise FixedPoint.
+    """
+
+    safeguard: FixedPoint = FixedPoint()
+
+    def Solve(self, Q, q, threshold, r, start, max_iterations):
+        """A NodalResult; raises NotConverged."""
+        if threshold.is_fixed:
+            result = fixed_threshold(Q, q, threshold.base, r, start, max_iterations)
+            return replace(result, method="semi-smooth Newton")
+        try:
+            return replace(newton(Q, q, threshold, r, start, max_iterations), method="full semi-smooth Newton")
+        except Cycle as cycle:
+            result = self.safeguard.Solve(Q, q, threshold, r, cycle.states[-1], max_iterations)
+            return replace(result, states=cycle.states + result.states, method=f"full Newton until {cycle}, then {result.method}")
+
+
+def violation(p, w, threshold):
+    """The largest violation of the conditions at the nodes, for p and w scaled to 1."""
+    m = len(p) // 2
+    p_n, p_t, w_n, w_t = p[:m], p[m:], w[:m], w[m:]
+    s = threshold.At(p_n, p_n < 0)
+    normal = np.concatenate([p_n, w_n, np.minimum(-p_n, -w_n)])
+    tangential = np.concatenate([np.abs(p_t) - s, np.minimum(s - p_t, -w_t), np.minimum(s + p_t, w_t)])
+    return float(max(normal.max(), tangential.max(), 0))
+
+
+def uniqueness_number(Q, slope):
+    """A number below 1 proves that Coulomb's law has one solution, for all loads: see docs/method.md, section 7.
+
+    The difference of two solutions satisfies δp_n δw_n ≤ 0 and δp_t δw_t ≤ slope |δp_n| |δw_t| at each node, δw = Qδp, so
+    that for any α > 0, α δp_n·δw_n + δp_t·δw_t ≤ Σ slope |δp_n| |δw_t|. The number is the largest ratio of
+    ½ (τ ‖M slope δp_n‖² + ‖M⁻¹δw_t‖²/τ), which is not less than the right side, to the left side; M² = diag Q_tt, τ
+    balances both terms. For symmetric Q the left side is positive for α < ((1 + √(1 - c²))/c)², c the largest correlation of normal and
+    tangential parts; a third of that, and 1, are tried. Where they are coupled weakly the number is small whatever the slope is.
+    """
+    m = len(slope)
+    if not slope.any():
+        return 0.0
+    symmetric = 0.5 * (Q + Q.T)
+    correlation = np.sqrt(max(_largest(symmetric[:m, m:] @ np.linalg.solve(symmetric[m:, m:], symmetric[m:, :m]), symmetric[:m, :m]), 0))
+    alpha = max(1, ((1 + np.sqrt(max(1 - correlation**2, 0))) / max(correlation, 1e-8)) ** 2 / 3)
+    M2 = np.diag(Q)[m:]
+    normal = np.diag(np.concatenate([M2 * slope**2, np.zeros(m)]))
+    tangential = Q[m:].T / M2 @ Q[m:]
+    numbers = [_balanced_ratio(normal, tangential, Q * np.repeat([weight, 1], m)[:, None]) for weight in {1, alpha}]
+    return min(numbers)
+
+
+def _balanced_ratio(normal, tangential, form):
+    """The largest ratio of ½ (τ normal + tangential/τ) to form, or inf where form is not positive."""
+    form = 0.5 * (form + form.T)
+    try:
+        tau = np.sqrt(_largest(tangential, form) / _largest(normal, form))
+        return _largest(0.5 * (tau * normal + tangential / tau), form)
+    except np.linalg.LinAlgError:
+        return np.inf
+
+
+def _largest(A, form):
+    """The largest eigenvalue of A x = θ form x."""
+    return float(eigvalsh(A, form, subset_by_index=[len(A) - 1, len(A) - 1])[0])

@@ -1,0 +1,134 @@
+"""MKL's Pardiso with its partial factorisation: [A Kᵀ; K 0] is factorised up to the rows of K, what is left is -K A⁻¹Kᵀ.
+
+Parameters are those of Intel's oneMKL reference, "pardiso iparm Parameter", counted from zero.
+"""
+
+import ctypes
+from functools import cache
+from importlib import metadata
+
+import numpy as np
+from pyngcore import GetNumThreads, SuspendTaskManager
+from scipy.sparse import diags
+
+from .. import _ngsxfem_contact as core
+from .matrices import csr_view, mask
+
+SYMMETRIC_INDEFINITE = -2
+ANALYSE, FACTORISE, FORWARD, BACKWARD, RELEASE = 11, 22, 331, 333, -1
+PARAMETERS = {
+    0: 1,  # the parameters below hold
+    1: 2,  # nested dissection
+    9: 13,  # a pivot below 1e-13 is perturbed
+    20: 1,  # Bunch-Kaufman pivots
+    23: 1,  # two-level parallel factorisation
+    34: 1,  # zero-based indices
+    35: 2,  # Schur complement, and factors that can solve
+}
+NEGATIVE_EIGENVALUES = 22
+
+
+@cache
+def library():
+    """The functions of MKL, or None if MKL is not installed."""
+    try:
+        files = [*(metadata.files("intel_openmp") or []), *(metadata.files("mkl") or [])]
+    except metadata.PackageNotFoundError:
+        return None
+    try:
+        for file in files:
+            if file.match("*libiomp5.so") or file.match("*libiomp5md.dll"):
+                ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
+        return next((ctypes.CDLL(str(file.locate())) for file in files if file.match("*mkl_rt*")), None)
+    except OSError:
+        return None
+
+
+def is_available():
+    """Whether `pip install mkl` was done, that is `pip install ngsxfem_contact[fast]`."""
+    return library() is not None
+
+
+def pointer(array):
+    """For C; the array must live on."""
+    return None if array is None else array.ctypes.data_as(ctypes.c_void_p)
+
+
+def nonzero(values):
+    """The values, 1 in place of 0."""
+    return np.where(values == 0, 1, values)
+
+
+class Pardiso:
+    """A⁻¹ on the unknowns of a BitArray and K A⁻¹Kᵀ for K in CSC format; matrix: symmetric, a SparseMatrix of NGSolve.
+
+    schur: K A⁻¹Kᵀ, dense.    positive: whether A is positive definite.
+    Pardiso compares pivots with the largest entries: the largest diagonal entry of A and the largest of each row of K are made 1 for it.
+    Raises ImportError without MKL, RuntimeError with the number of a Pardiso error.
+    """
+
+    name = "pardiso"
+
+    def __init__(self, matrix, inner, K):
+        if not is_available():
+            raise ImportError('inverse="pardiso" needs MKL: pip install mkl, or pip install "ngsxfem_contact[fast]"')
+        self.inner, self.m = mask(inner), K.shape[0]
+        self.unit = nonzero(csr_view(matrix).diagonal()[self.inner].max(initial=0))
+        self.units = nonzero(abs(K).max(axis=1).toarray().ravel())
+        K = (diags(self.unit / self.units) @ K).tocsc()
+        K.sort_indices()
+        self.first, self.column, self.value = core.BorderedMatrix(matrix, inner, self.m, K.indptr, K.indices, K.data)
+        self.value /= self.unit
+        self.size = len(self.first) - 1
+        self.handle, self.parameters = np.zeros(64, dtype=np.int64), np.zeros(64, dtype=np.int32)
+        self.parameters[list(PARAMETERS)] = list(PARAMETERS.values())
+        self.in_schur = np.zeros(self.size, dtype=np.int32)
+        self.in_schur[self.size - self.m :] = 1
+        negative = np.zeros((max(self.m, 1),) * 2)
+        self._call(ANALYSE)
+        self._call(FACTORISE, None, negative)
+        scaled = -negative[: self.m, : self.m]
+        scaled = 0.5 * (scaled + scaled.T)
+        self.positive = self._is_positive(scaled)
+        self.schur = scaled / self.unit * self.units * self.units[:, None]
+
+    def _is_positive(self, schur):
+        """Pardiso counts the negative eigenvalues of the whole matrix, those of -K A⁻¹Kᵀ among them (Sylvester)."""
+        values = np.linalg.eigvalsh(schur)
+        return int(self.parameters[NEGATIVE_EIGENVALUES]) <= int((values > 1e-10 * np.abs(values).max(initial=0)).sum())
+
+    def _call(self, phase, rhs=None, solution=None):
+        integer = lambda number: ctypes.byref(ctypes.c_int(number))
+        mkl, error, suspended = library(), ctypes.c_int(0), SuspendTaskManager()
+        threads = mkl.MKL_Set_Num_Threads_Local(GetNumThreads())
+        mkl.pardiso_(
+            pointer(self.handle), integer(1), integer(1), integer(SYMMETRIC_INDEFINITE), integer(phase), integer(self.size),
+            pointer(self.value), pointer(self.first), pointer(self.column), pointer(self.in_schur), integer(1),
+            pointer(self.parameters), integer(0), pointer(rhs), pointer(solution), ctypes.byref(error),
+        )  # fmt: skip
+        mkl.MKL_Set_Num_Threads_Local(threads)
+        del suspended
+        if error.value and phase != RELEASE:
+            raise RuntimeError(f"MKL Pardiso: error {error.value} in phase {phase}; inverse='sparsecholesky' does without MKL")
+
+    def _forward(self, rhs):
+        padded, result = np.zeros(self.size), np.zeros(self.size)
+        padded[: self.size - self.m] = rhs[self.inner] / self.unit
+        self._call(FORWARD, padded, result)
+        return result
+
+    def Couple(self, rhs):
+        """K A⁻¹ rhs."""
+        return -self._forward(rhs)[self.size - self.m :] * self.units
+
+    def Solve(self, rhs):
+        """A⁻¹ rhs; zero where an unknown is not in the factorisation."""
+        half, result, x = self._forward(rhs), np.zeros(self.size), np.zeros(len(self.inner))
+        half[self.size - self.m :] = 0
+        self._call(BACKWARD, half, result)
+        x[self.inner] = result[: self.size - self.m]
+        return x
+
+    def __del__(self):
+        if getattr(self, "handle", np.zeros(1)).any():
+            self._call(RELEASE)

@@ -1,0 +1,150 @@
+"""What can be wrong with a problem before it is solved: each is named, none is a warning."""
+
+import numpy as np
+from ngsolve import BilinearForm, Grad, InnerProduct, specialcf
+from scipy.linalg import eigh
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from ..algebra.elimination import Elimination, unit_scale
+from ..algebra.matrices import csr_view, mask, to_scipy
+from ..errors import NotCoercive, SingularSystem
+from ..operators import NormalGap
+from ..progress import doing
+from ..spaces.connectivity import RigidMotions
+from ..spaces.unknowns import tip_unknowns
+from .contact_system import stiffness_form
+from .mixed_system import LocalPressures
+from .stabilisation import trait
+
+
+def check_gap(system):
+    """Raises ValueError for an initial gap that is not finite, or negative somewhere."""
+    gap = system.G[: system.nodes.ndof]
+    if not np.isfinite(gap).all():
+        raise ValueError("the initial gap is not finite (NaN or inf): check `gap` on the whole crack")
+    if (gap < -1e-12 * np.abs(gap).max()).any():
+        raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
+
+
+def check_load(F, given, who=""):
+    """Raises ValueError for a load or given displacements, arrays, that are not finite.  who: begins the message."""
+    for values, what, where in (
+        (F, "the load `f`", "its coefficient functions on the whole body"),
+        (given, "a given displacement", "Pin and SetDirichlet"),
+    ):
+        if not np.isfinite(values).all():
+            raise ValueError(f"{who}{what} is not finite (NaN or inf): check {where}")
+
+
+def check_energies(F, given, stiffness):
+    """Raises ValueError for a load or given displacements whose energies with an NGSolve matrix double precision cannot hold."""
+    scale = unit_scale(csr_view(stiffness).diagonal())
+    check_size(F * scale, "the load `f`")
+    check_size(given / scale, "a given displacement")
+
+
+def check_size(roots, what, limit=1e145):
+    """Raises ValueError if the square of the largest value, an energy, is too small or too large for double precision; zero is neither."""
+    largest = np.abs(roots).max(initial=0)
+    if largest and not 1 / limit < largest < limit:
+        size = "small" if largest < 1 else "large"
+        raise ValueError(f"{what} is too {size}: its energy is about ({largest:.1e})², beyond double precision; take other units of length or stress")
+
+
+def check_rigid_motions(problem):
+    """Raises SingularSystem if a rigid motion of the body is not held, or of a part that cracks cut off or that hangs on others by points."""
+    free = RigidMotions(problem.V).Free(~mask(problem.free), problem.a)
+    if free is None:
+        return
+    name = "the body"
+    if free.parts > 1:
+        name = f"one of the {free.parts} parts into which the cracks divide the body, " + "around ({:g}, {:g}),".format(*free.centre)
+    if len(free.hinges):
+        name = "the part of the body around ({:g}, {:g}), ".format(*free.centre) + "which hangs on others by {} {} alone,".format(
+            "the vertex" if len(free.hinges) == 1 else "the vertices", ", ".join("({:g}, {:g})".format(*point) for point in free.hinges)
+        )
+    raise SingularSystem(
+        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a"
+    )
+
+
+def check_multiplier(Q, stabilised, tolerance=1e-10):
+    """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable.    stabilised: by some γ."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(Q), np.finfo(float).tiny))
+    values = np.linalg.eigvalsh(0.5 * (Q + Q.T) * scale[:, None] * scale)
+    deficient = int((values < tolerance * values[-1]).sum())
+    if deficient:
+        remedy = "a larger γ, which is nearly zero there (or a part of the crack both faces of which are held, set them free)"
+        raise SingularSystem(
+            f"{deficient} of {len(values)} multipliers act on no displacement of the space (smallest eigenvalue {values[0]:.1e} "
+            f"of the scaled Schur complement, largest {values[-1]:.1e}): this pair of orders needs "
+            f"{remedy if stabilised else 'stabilisation=BarbosaHughes()'}, or a richer displacement space, or a multiplier of lower order"
+        )
+
+
+def check_coercive(problem, elimination):
+    """Raises NotCoercive for a γ for which K - K_γ is not positive definite (against K)."""
+    stabilisation = problem.stabilisation
+    proved = elimination.positive and not trait(stabilisation, "needs_eigenvalue")
+    if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.friction.components)):
+        return
+    smallest = Coercivity(problem)
+    if smallest <= 1e-10:
+        remedy = trait(stabilisation, "Remedy")(smallest)
+        raise NotCoercive(f"γ is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; {remedy}")
+
+
+def Coercivity(problem):
+    """The smallest eigenvalue of K - K_γ against K, (13) of [AHLMR12]: 1 - θ; negative where γ is too large.
+
+    Raises SingularSystem if rigid motions are left free.
+    """
+    check_rigid_motions(problem)
+    gamma = problem.Gamma()
+    if gamma is None:
+        return 1.0
+    V = problem.V
+    u, v = V.TnT()
+    K = stiffness_form(problem).Assemble().mat
+    squared = problem.ComparedTraction().Squared(u, v, problem.friction.components)
+    K_gamma = to_scipy(BilinearForm(gamma * squared * problem.body.dcrack).Assemble().mat)
+    if problem.is_mixed:
+        K_gamma -= LocalPressures(problem, gamma).Stiffness()
+    with doing(f"smallest eigenvalue of K - K_γ against K, {V.ndof} unknowns"):
+        return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, tip_unknowns(V)), mask(problem.free))
+
+
+def largest_eigenvalue(A, M, M_inverse, free):
+    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M NGSolve's, its inverse an Elimination."""
+    x, y = M.CreateColVector(), M.CreateColVector()
+
+    def multiply(array):
+        x.FV().NumPy()[:] = np.where(free, array.ravel(), 0)
+        y.data = M * x
+        return np.where(free, y.FV().NumPy(), 0)
+
+    operator = lambda function: LinearOperator(A.shape, matvec=function, dtype=float)
+    restricted = operator(lambda v: np.where(free, A @ np.where(free, v.ravel(), 0), 0))
+    inverse = operator(lambda v: M_inverse.Solve(np.where(free, v.ravel(), 0)))
+    start = inverse.matvec(restricted.matvec(np.random.default_rng(0).standard_normal(len(free))))
+    return float(eigsh(restricted, k=1, M=operator(multiply), Minv=inverse, which="LA", v0=start, tol=1e-8)[0][0])
+
+
+def InfSup(V, W, weight=specialcf.mesh_size):
+    """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular. Dense algebra of the size of W.
+
+    V: CrackFESpace.    W: TraceSpace on the same body.    Raises ValueError for a weight that is not positive and finite.
+    weight: w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
+    `analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
+    """
+    u, v = V.TnT()
+    lam, mu = W.TnT()
+    coupling = BilinearForm(trialspace=V, testspace=W)
+    coupling += mu * NormalGap(u, V.body) * W.dcrack
+    B = to_scipy(coupling.Assemble().mat)
+    H1 = BilinearForm((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx, symmetric=True).Assemble().mat
+    M = to_scipy(BilinearForm(weight * lam * mu * W.dcrack).Assemble().mat).toarray()
+    if not (np.diag(M) > 0).all() or not np.isfinite(M).all():
+        raise ValueError("InfSup: weight must be positive and finite on the whole crack")
+    S = Elimination(H1, V.FreeDofs(), tip_unknowns(V), B).S
+    return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

@@ -1,0 +1,65 @@
+"""The scaling of matrices on a CrackFESpace: their condition number does not depend on where cracks cut (docs/conditioning.md).
+
+Functions ½(H - s_i) φ_i of P_k, k ≥ 2, that live on the same sliver are nearly dependent, so a diagonal scaling is not
+enough. All Heaviside unknowns together are one block, orthonormalised by its own sparse factorisation (it is as
+large as the crack is long), the tips' unknowns are another; each φ_i is scaled by itself.
+"""
+
+import numpy as np
+from ngsolve import BitArray
+from ngsolve.la import DiagonalMatrix, EigenValues_Preconditioner
+
+from ..algebra.elimination import unit_scale
+from ..algebra.matrices import csr_view
+from ..spaces.negligible import without_negligible
+from .checks import check_rigid_motions
+
+
+def CrackScaling(matrix, V, free=None):
+    """The inverse of the block diagonal part, an NGSolve matrix: a preconditioner, or with S Sᵀ equal to it the scaling Sᵀ A S.
+
+    matrix: symmetric positive definite, of a form on V (K - K_γ, a mass matrix).    free: default V.FreeDofs(); functions
+    that are negligible are left out, too.
+    """
+    others = without_negligible(matrix, V, V.FreeDofs() if free is None else free)
+    blocks = []
+    for dofs in scaling_blocks(V):
+        block = BitArray(V.ndof)
+        block.Clear()
+        for dof in dofs:
+            if others[dof]:
+                block.Set(dof)
+                others.Clear(dof)
+        if block.NumSet():
+            blocks.append(matrix.Inverse(block, inverse="sparsecholesky"))
+    return sum(blocks, start=matrix.CreateSmoother(others))
+
+
+def scaling(matrix):
+    """The diagonal matrices 1/√a_ii and √a_ii."""
+    scale = unit_scale(csr_view(matrix).diagonal())
+    matrices = []
+    for values in (scale, 1 / scale):
+        vector = matrix.CreateColVector()
+        vector.FV().NumPy()[:] = values
+        matrices.append(DiagonalMatrix(vector))
+    return matrices
+
+
+def scaling_blocks(V):
+    """The unknowns of the Heaviside functions, and those of the tips."""
+    first = 2 * V.scalar_space.ndof
+    return range(first, first + 2 * V.num_heaviside), range(first + 2 * V.num_heaviside, V.ndof)
+
+
+def ConditionNumber(problem):
+    """The condition number of K - K_γ after CrackScaling, on the free unknowns of a ContactProblem, by Lanczos.
+
+    Raises SingularSystem if rigid motions are left free.
+    """
+    check_rigid_motions(problem)
+    matrix = problem.Assemble().stiffness
+    scale, inverse = scaling(matrix)  # Lanczos starts from random numbers, which have no units
+    scaled, preconditioner = scale @ matrix @ scale, inverse @ CrackScaling(matrix, problem.V, problem.free) @ inverse
+    values = np.array(EigenValues_Preconditioner(mat=scaled, pre=preconditioner, tol=1e-16))
+    return float(values.max() / values.min())

@@ -1,0 +1,135 @@
+"""The matrices of (38) of [AHLMR12] and the loads that go with them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BilinearForm, GridFunction, LinearForm
+from scipy.sparse import block_diag, csr_matrix, vstack
+
+from .. import _ngsxfem_contact as core
+from ..algebra.matrices import to_scipy
+from ..spaces.incompressible import stress_power
+
+
+@dataclass
+class GivenTraction:
+    """What r_0 adds to the right-hand sides of (38): F = Σ ∫γ r_0 R_h(v), and G = ∫γ r_0 ψ_i for each component. Linear in the load."""
+
+    F: np.ndarray
+    G: np.ndarray
+
+    def __add__(self, other):
+        return GivenTraction(self.F + other.F, self.G + other.G)
+
+    def __rmul__(self, factor):
+        return GivenTraction(factor * self.F, factor * self.G)
+
+
+class ContactSystem:
+    """K - K_γ as an NGSolve matrix; E = B - C_γ and D_γ as scipy matrices; G, the initial gap, an array: the blocks of (38).
+
+    gamma: γ or None.    nodes: where the signs are taken, W or what stands for it.    weights: ∫ψ_i, the length of Γ_C that
+    belongs to each multiplier.    traction: the ComparedTraction, R_h.
+
+    Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
+    With friction the multiplier is L = (L_n, L_t), the rows of B are -∫ψ_i g_n and -∫ψ_i g_t, those of C_γ ∫γψ_i R_n and
+    ∫γψ_i R_t, R_t = σ_t of the larger part, and K_γ = ∫γ (R_n R_n + R_t R_t).
+    """
+
+    def __init__(self, problem):
+        self.problem, self.components = problem, problem.friction.components
+        self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
+        self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()
+        self._assemble(problem)
+        self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
+        self.G = np.zeros(self.E.shape[0])
+        self.G[: self.nodes.ndof] = self.InitialGap(problem)
+
+    def _assemble(self, problem):
+        """nodes, stiffness, E, D, weights."""
+        V, W = problem.V, problem.W
+        u, v = V.TnT()
+        lam, mu = W.TnT()
+        stiffness = stiffness_form(problem)
+        mass = csr_matrix((W.ndof, W.ndof))
+        if self.gamma is not None:
+            stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
+            mass = to_scipy(BilinearForm(self.gamma * lam * mu * self.dcrack).Assemble().mat)
+        self.nodes, self.stiffness = W, stiffness.Assemble().mat
+        self.E = vstack([self._coupling(problem, component) for component in self.components], format="csr")
+        self.D = block_diag([mass] * len(self.components), format="csr")
+        self.weights = np.tile(LinearForm(mu * self.dcrack).Assemble().vec.FV().NumPy(), len(self.components))
+
+    def _coupling(self, problem, component):
+        """The rows of B - C_γ of one component."""
+        V, W = problem.V, problem.W
+        u, mu = V.TrialFunction(), W.TestFunction()
+        coupling = BilinearForm(trialspace=V, testspace=W)
+        coupling += -mu * component.jump(u, problem.body) * self.dcrack
+        if self.gamma is not None:
+            coupling += -self.gamma * mu * self.traction.Summed(u, component) * self.dcrack
+        return to_scipy(coupling.Assemble().mat)
+
+    def CheckCone(self, cone):
+        """Raises ValueError for a cone that does not go with the system; a multiplier may have any."""
+
+    def InitialGap(self, problem):
+        """∫ψ_i g_0."""
+        mu = problem.W.TestFunction()
+        return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
+
+    def Given(self, applied):
+        """The GivenTraction of an AppliedLoad: zero where nothing is given on the faces, and without γ."""
+        if self.gamma is None or not applied.acts_on_faces:
+            return GivenTraction(np.zeros(self.problem.V.ndof), np.zeros(self.E.shape[0]))
+        shift = lambda component, side: applied.Shift(component, side, self.problem.body)
+        return GivenTraction(self._given_forces(shift), np.concatenate([self._given_moments(component, shift) for component in self.components]))
+
+    def _given_forces(self, shift):
+        """Σ ∫γ r_0 R_h(v)."""
+        v = self.problem.V.TestFunction()
+        form = LinearForm(self.gamma * self.traction.WithGiven(v, self.components, shift) * self.dcrack)
+        return form.Assemble().vec.FV().NumPy().copy()
+
+    def _given_moments(self, component, shift):
+        """∫γ r_0 ψ_i of one component."""
+        mu = self.problem.W.TestFunction()
+        return LinearForm(self.gamma * self.traction.Given(component, shift) * mu * self.dcrack).Assemble().vec.FV().NumPy().copy()
+
+    def Function(self, problem, values, name):
+        """The GridFunction of W for one component of L."""
+        function = GridFunction(problem.W, name)
+        function.vec.FV().NumPy()[:] = values
+        return function
+
+    @property
+    def C(self):
+        """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E."""
+        return self.E
+
+    def Distribute(self, L):
+        """The coefficients of C's rows in the forces on the displacements, Cᵀ Distribute(L)."""
+        return L
+
+    def Forces(self, L):
+        """What L exerts on the displacements, (B - C_γ)ᵀ L."""
+        return self.C.T @ self.Distribute(L)
+
+    def Stiffness(self, U):
+        """(K - K_γ) U for an array U."""
+        self._x.FV().NumPy()[:] = U
+        self._y.data = self.stiffness * self._x
+        return self._y.FV().NumPy().copy()
+
+    def Moments(self, U, L):
+        """(B - C_γ) U + D_γ L of the second row of (38)."""
+        return self.E @ U + self.D @ L
+
+
+def stiffness_form(problem):
+    """a(u, v) with the terms of problem.a, not assembled."""
+    u, v = problem.V.TnT()
+    form = core.CrackBilinearForm(problem.V, symmetric=True)
+    form += stress_power(problem.material, u, v) * problem.body.dx
+    problem.a.AddTo(form)
+    return form

@@ -1,0 +1,167 @@
+"""Laws of contact and friction on the crack: section 7 of docs/method.md.
+
+The tangential multiplier λ_t approximates σ_t = t·σn. It has the sign of the slip g_t = jump(u)·t: the plus side is
+pulled by -σn, against its motion relative to the minus side.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import CoefficientFunction
+from scipy.linalg import block_diag
+
+from ..algebra.active_set import solve_active_set
+from ..algebra.nodal_newton import FixedPoint, FullNewton, Threshold, first_states, uniqueness_number, violation
+from ..arguments import INFINITY, check_function, check_number, check_positive
+from ..operators import NORMAL, TANGENTIAL
+from ..points import crack_points
+
+
+@dataclass(frozen=True)
+class Frictionless:
+    """σ_t = 0: only the normal multiplier."""
+
+    components = (NORMAL,)
+    depends_on_path = False
+
+    def Solve(self, Q, q, W, cone, report, r, start, max_iterations):
+        """p; books its iterations in the report."""
+        result = solve_active_set(Q, q, r, start, max_iterations)
+        report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
+        return result.p
+
+    def Work(self, p, w, W, cone, before):
+        """Nothing is dissipated."""
+        return 0.0, 0.0
+
+    def Violation(self, p, w, scale, W, cone):
+        """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, for p and w divided by their scales."""
+        return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
+
+
+class Friction(ABC):
+    """What Tresca and Coulomb share: a normal and a tangential multiplier, and nodal states."""
+
+    method: FullNewton | FixedPoint
+
+    components = (NORMAL, TANGENTIAL)
+    depends_on_path = True
+
+    def Solve(self, Q, q, W, cone, report, r, start, max_iterations):
+        """p = (p_n, p_t); books its iterations in the report.    start: nodes in contact at first."""
+        check_positive(r, "r")
+        threshold = self.Threshold(W, cone)
+        contact = np.array(start, dtype=bool)
+        if contact.shape != (len(q) // 2,):
+            raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs; give one boolean for each, or a ContactSolution")
+        result = self.method.Solve(Q, q, threshold, r / np.diag(Q), first_states(Q, q, threshold, contact), max_iterations)
+        report.iterations, report.fallback, report.method = result.iterations, result.fallback, result.method
+        report.active = [states.contact for states in result.states]
+        report.tangential = [states.tangential for states in result.states]
+        report.threshold_changes = result.threshold_changes
+        report.uniqueness = self.Uniqueness(Q, threshold)
+        return result.p
+
+    def Work(self, p, w, W, cone, before):
+        """(∫λ_t Δg_t of a step, how far it may be off).    w: minus the weighted gaps and slips.    before: p of the last step, or None.
+
+        What slips does so at |λ_t| = s. While s changes, the trapezoidal rule takes the mean of s before and after; without a step before
+        the end-point rule takes s after. The error is the difference of the two, s = 0 before a first step where it depends on the pressure.
+        """
+        (p_n, p_t), w_t, threshold = np.split(p, 2), np.split(w, 2)[1], self.Threshold(W, cone)
+        p_before = np.zeros_like(p_n) if before is None else np.split(before, 2)[0]
+        s, s_before = threshold.At(p_n, p_n < 0), threshold.At(p_before, p_n < 0 if before is None else p_before < 0)
+        end = -p_t * w_t
+        change = 0.5 * end * (np.divide(s_before, s, out=np.ones_like(s), where=s > 0) - 1)
+        return float(end.sum() + (0 if before is None else change.sum())), float(np.abs(change).sum())
+
+    @abstractmethod
+    def Threshold(self, W, cone):
+        """The `nodal_newton.Threshold` of the tangential multiplier at the nodes of W."""
+
+    @abstractmethod
+    def Uniqueness(self, Q, threshold) -> float | None:
+        """A number below 1 proves that there is one solution; None: not known."""
+
+    def Violation(self, p, w, scale, W, cone):
+        """The largest violation of the nodal conditions, for p and w divided by their scales."""
+        return violation(p, w, self.Threshold(W, cone).Scaled(scale))
+
+
+@dataclass(frozen=True)
+class Tresca(Friction):
+    """|λ_t| ≤ s, the slip in the direction of λ_t where |λ_t| = s.
+
+    s: number or CoefficientFunction ≥ 0, a stress.    in_contact_only: False (default): on the whole crack, the classical
+    functional ∫ s |g_t|; True: s = 0 where the crack is open.
+    Raises ValueError for an s that is negative or not finite, at the latest when it is evaluated at the multiplier's nodes.
+    """
+
+    s: float | CoefficientFunction
+    in_contact_only: bool = False
+
+    method = FullNewton()
+
+    def __post_init__(self):
+        check_threshold(self.s, "Tresca: s")
+
+    def Threshold(self, W, cone):
+        """s at the nodes, or ∫sψ_i for the weak cone."""
+        return Threshold(cone.Values(W, checked_values(W, self.s, "Tresca: s")), np.zeros(W.ndof), self.in_contact_only)
+
+    def Uniqueness(self, Q, threshold):
+        """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise."""
+        return 0.0 if threshold.is_fixed else None
+
+
+@dataclass(frozen=True)
+class Coulomb(Friction):
+    """|λ_t| ≤ μ_f |λ_n|, the slip in the direction of λ_t where they are equal.
+
+    mu_f: number or CoefficientFunction ≥ 0, evaluated at the multiplier's nodes.
+    method: FullNewton() (default; goes on with FixedPoint if it cycles) or FixedPoint(tolerance, max_iterations).
+    The law may have several solutions for a large mu_f. `report.uniqueness` is a number below which 1 proves that there is one;
+    NotConverged is raised where none is found. Raises ValueError as Tresca.
+    """
+
+    mu_f: float | CoefficientFunction
+    method: FullNewton | FixedPoint = FullNewton()
+
+    def __post_init__(self):
+        check_threshold(self.mu_f, "Coulomb: mu_f")
+        if not hasattr(self.method, "Solve") or isinstance(self.method, type):
+            raise TypeError(f"Coulomb: method={self.method!r} is neither FullNewton() nor FixedPoint()")
+
+    def Threshold(self, W, cone):
+        """s = μ_f |p_n| at the nodes."""
+        return Threshold(np.zeros(W.ndof), checked_values(W, self.mu_f, "Coulomb: mu_f"))
+
+    def Uniqueness(self, Q, threshold):
+        """See nodal_newton.uniqueness_number."""
+        return uniqueness_number(Q, threshold.slope)
+
+
+def check_threshold(value, name):
+    """Raises for a number that is negative or not finite, and for what is neither a number nor a scalar function."""
+    check_function(value, name, 1)
+    if not isinstance(value, CoefficientFunction):
+        check_number(value, name, lambda number: 0 <= number < INFINITY, "be a finite number >= 0")
+
+
+def checked_values(W, function, name):
+    """Values at the multiplier's nodes, (W.ndof,); raises ValueError for values that are negative or not finite."""
+    if not isinstance(function, CoefficientFunction):
+        return np.full(W.ndof, float(function))
+    positions = W.NodalPositions()
+    values = np.concatenate([function(crack_points(W.body, c, s)).ravel() for c, s in enumerate(positions)])
+    wrong = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
+    if len(wrong):
+        s = np.concatenate(positions)[wrong[0]]
+        raise ValueError(f"{name} is {values[wrong[0]]} at arc length {s:.6g} of a crack: it must be finite and >= 0 on the whole crack")
+    return values
+
+
+def transformation(friction, cone, W):
+    """L = T p for all components of the multiplier."""
+    return block_diag(*[cone.Transformation(W)] * len(friction.components))

@@ -1,0 +1,242 @@
+"""The data of a contact problem: (12) of [AHLMR12]."""
+
+from numbers import Real
+
+import numpy as np
+from ngsolve import CoefficientFunction, InnerProduct, Parameter, dx
+
+from .. import _ngsxfem_contact as core
+from ..arguments import INFINITY, check_function, check_item, check_number, check_options, check_type
+from ..loads.face_traction import ComparedTraction
+from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress, load_form
+from ..loads.supports import Supports
+from ..material import Isotropic
+from ..operators import Gradient, Minus, Plus
+from ..spaces.crack_fespace import decide
+from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
+from .cones import CONES
+from .contact_system import ContactSystem
+from .friction import Friction, Frictionless
+from .mixed_system import MixedSystem
+from .solver import STEP_OPTIONS, solve
+from .stabilisation import BarbosaHughes, Unstabilised, check_stabilisation, softened
+
+
+def check_modes(V, material):
+    """Raises ValueError if V has tip modes of another material: their lips would carry tractions."""
+    for tip, spec in zip(V.body.tips, V.tip_specs):
+        if spec is not None and spec.basis == core.TipBasis.modes:
+            here = material.At(V.mesh, tip.point)
+            if not np.allclose((spec.kappa, spec.mu), (here.kappa, here.mu), rtol=1e-12, atol=0):
+                raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {here}; pass the same to TipEnrichment(material=...)")
+
+
+def given_stresses(material, initial_stress, temperature):
+    """The stresses σ⁰ of initial_stress= and temperature=, 2 × 2 CoefficientFunctions."""
+    if initial_stress is not None:
+        initial_stress = check_function(initial_stress, "ContactProblem: initial_stress", 4)
+        if tuple(initial_stress.dims) != (2, 2):
+            raise ValueError("ContactProblem: initial_stress must be a 2 × 2 matrix, CF((xx, xy, xy, yy), dims=(2, 2))")
+        check_no_function(initial_stress)
+        yield initial_stress
+    if temperature is not None:
+        if isinstance(material.alpha, Real) and material.alpha == 0:
+            raise ValueError("ContactProblem: temperature= needs a material that expands: Elasticity.PlaneStrain(E, nu, alpha=...)")
+        yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
+
+
+def check_no_function(stress):
+    """Raises ValueError for an initial stress that holds trial or test functions."""
+    term = core.TermsOf(stress[0, 0] * dx)[0]
+    if term.test or term.trial:
+        raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
+
+
+def material_of(V, material):
+    """The one that is given, or that of V. Raises TypeError if there is none, ValueError if they are two."""
+    own = getattr(V, "material", None)
+    if material is None and own is None:
+        raise TypeError("ContactProblem: there is no material; give CrackFESpace(..., material=Elasticity...), or ContactProblem(V, W, material)")
+    material = own if material is None else material
+    check_type(material, Isotropic, "ContactProblem: material", "an Elasticity")
+    if own is not None and getattr(material, "regions", material) != getattr(own, "regions", own):
+        raise ValueError(f"ContactProblem: material={material} is another one than {own} of CrackFESpace(material=...); say it once, to V")
+    return material
+
+
+class ContactProblem:
+    """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
+
+    V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity, or Elasticity.ByRegion(...); default that of V.
+    stabilisation: BarbosaHughes(...) (default: chooses γ itself), None, or Nitsche(theta): no multiplier, W presents the pressure.
+    cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
+    gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
+    friction: None (default), Tresca(s) or Coulomb(mu_f).
+    initial_stress: σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
+    temperature: ΔT, a number or CoefficientFunction, the change since the body was free of stress; the material needs alpha=.
+
+    Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test
+    function of V; load the faces of the cracks by FacePressure and FaceTraction. Springs and elastic joints are added to `a`:
+    problem.a += k*u*v*body.ds("bottom") + c*Jump(u)*Jump(v)*body.dcrack.
+    Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
+    Raises TypeError for other objects, ValueError for spaces on different bodies, a negative gap, an unknown cone, and modes of another material.
+
+    >>> from ngsolve import *
+    >>> from netgen.geom2d import unit_square
+    >>> from ngsxfem_contact import *
+    >>> mesh = Mesh(unit_square.GenerateMesh(maxh=0.3))
+    >>> body = CrackedMesh(mesh, Crack([(0, 0.5), (1, 0.5)]))  # from side to side
+    >>> V, W = CrackFESpace(body, order=1, dirichlet="bottom|top"), TraceSpace(body, order=1)
+    >>> problem = ContactProblem(V, W, Elasticity.PlaneStrain(E=100, nu=0))
+    >>> problem.SetDirichlet((0, -0.01), "top")  # presses by 1 %
+    >>> print(f"{problem.Solve().ContactForce():.6f}")
+    -1.000000
+    """
+
+    def __init__(self, V, W, material=None, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None, initial_stress=None, temperature=None):
+        check_type(V, core.CrackFESpace, "ContactProblem: V", "a CrackFESpace")
+        check_type(W, core.TraceSpace, "ContactProblem: W", "a TraceSpace")
+        if V.body is not W.body:
+            raise ValueError("ContactProblem: V and W belong to different CrackedMesh objects; build both on one body")
+        if cone not in list(CONES):
+            raise ValueError(f"ContactProblem: cone={cone!r} is not one of {sorted(CONES)}")
+        if isinstance(gap, CoefficientFunction):
+            check_function(gap, "ContactProblem: gap", 1)
+        else:
+            check_number(gap, "ContactProblem: gap", lambda gap: 0 <= gap < INFINITY, "be a finite number >= 0 (the faces do not overlap at first)")
+        material = material_of(V, material)
+        if stabilisation is not None:
+            check_stabilisation(stabilisation, "ContactProblem: stabilisation")
+        if friction is not None and not isinstance(friction, Friction):
+            raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
+        decide(V, material)
+        check_modes(V, material)
+        warn_of_locking(V, material, stabilisation)
+        self.V, self.W, self.material = V, W, material
+        self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()
+        self.cone = CONES[cone]
+        self.friction = friction if friction is not None else Frictionless()
+        self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
+        self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
+        self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
+        for stress in given_stresses(material, initial_stress, temperature):
+            self.initial += -InnerProduct(stress, Gradient(V.TestFunction())) * V.body.dx
+        check_symmetric_stress(self.initial)
+        self.supports = Supports(V)
+
+    @property
+    def body(self):
+        """The CrackedMesh."""
+        return self.V.body
+
+    @property
+    def f(self):
+        """The loads, a LoadForm: add terms by +=."""
+        return self._f
+
+    @f.setter
+    def f(self, form):
+        """Itself after +=, or an empty LinearForm(problem.V), to begin anew."""
+        self._f = load_form(form, self.V)
+
+    @property
+    def a(self):
+        """Springs and elastic joints, a StiffnessForm: add terms by +=."""
+        return self._a
+
+    @a.setter
+    def a(self, form):
+        """Itself after +=."""
+        if form is not self._a:
+            raise TypeError(f"problem.a cannot be replaced by {form!r}; add terms to it, problem.a += ...")
+
+    def FacePressure(self, p, crack=None, bonus_intorder=0):
+        """Adds a pressure on both faces, of a fluid in the crack: it opens the crack where p > 0, and λ ≤ 0 carries what it leaves.
+
+        p: number or CoefficientFunction, a stress.    crack: number of the crack, default all of them.    bonus_intorder: for functions that are no
+            polynomials along the crack.
+        """
+        p = check_function(p, "FacePressure: p", 1)
+        self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack, bonus_intorder)
+
+    def FaceTraction(self, plus=(0, 0), minus=(0, 0), crack=None, bonus_intorder=0):
+        """Adds tractions on the plus and on the minus face, forces on the body for each unit of length: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
+
+        plus, minus: CoefficientFunctions with two components or tuples, stresses.    crack, bonus_intorder: as for FacePressure.
+        """
+        plus, minus = (check_function(t, f"FaceTraction: {name}", 2) for t, name in ((plus, "plus"), (minus, "minus")))
+        if crack is not None:
+            check_item(crack, self.body.cracks, "crack", "body.cracks")
+        v, measure = self.V.TestFunction(), self.body.dcrack(crack=crack, bonus_intorder=bonus_intorder)
+        self.f += (plus * Plus(v) + minus * Minus(v)) * measure
+
+    @property
+    def given(self):
+        """The displacement where it is given, a GridFunction."""
+        return self.supports.given
+
+    @property
+    def free(self):
+        """BitArray of the unknowns that are not given."""
+        return self.supports.free
+
+    @property
+    def pinned(self):
+        """The unknowns that pins fix."""
+        return self.supports.pinned
+
+    def Pin(self, point, components, value=0):
+        """Fixes components ("x", "y" or "xy") of u at a mesh vertex to a number, or to one number for each component.
+
+        Raises ValueError if there is no vertex at the point (the message names the nearest), if u jumps there, inside the disk of a tip, whose
+        functions would move the vertex, and for a value that contradicts another one there.
+        """
+        self.supports.Pin(point, components, value)
+
+    def SetDirichlet(self, value, region):
+        """Sets u on a boundary region of V's dirichlet parts: the weighted L² projection of value's trace, both sides at a mouth.
+
+        Beside a vertex that a mouth nearly meets, functions that hardly reach the boundary become free (`mouths.short_traces`).
+        value: CoefficientFunction with two components or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on
+            the region before is replaced.
+        Raises ValueError for a region on which a given component is not held by the space, and for another value than that of a Pin. Regions that
+        contradict each other at a common corner are refused by Solve and LoadCase.
+        """
+        self.supports.SetDirichlet(value, region)
+
+    def ComparedTraction(self, a=None):
+        """R_h of this problem: a ComparedTraction.    a: springs and joints, a StiffnessForm; default those of the problem."""
+        return ComparedTraction(self.body, self.material, self.stabilisation.sides, (self.a if a is None else a).joint)
+
+    def Gamma(self):
+        """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
+        gamma = self.stabilisation.Gamma(self.V, self.material, self.friction.components)
+        return softened(gamma, self.a.joint)
+
+    def Loads(self):
+        """F of (38), an array."""
+        return self.f.Assemble().vec.FV().NumPy().copy()
+
+    @property
+    def projection(self):
+        """The degree of the polynomials onto which div u is projected where the material is nearly incompressible, or None."""
+        return projection_degree(self.V) if is_projected(self.V, self.material) else None
+
+    @property
+    def is_mixed(self):
+        """Whether the parts beside the cracks have pressures of their own, see `mixed_system`."""
+        return isinstance(self.stabilisation, BarbosaHughes) and is_projected(self.V, self.material)
+
+    def Assemble(self):
+        """The matrices of (38): a ContactSystem."""
+        return getattr(self.stabilisation, "System", MixedSystem if self.is_mixed else ContactSystem)(self)
+
+    def Solve(self, **options):
+        """Solves and returns a ContactSolution; options: inverse, previous, cone, r, start, max_iterations, see `solver.solve`.
+
+        previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+        Raises SingularSystem (rigid motions left free, or multipliers that no displacement feels), NotCoercive
+        (gamma0 too large), NotConverged, TypeError for another option.
+        """
+        check_options(options, ("inverse", *STEP_OPTIONS), "ContactProblem.Solve")
+        return solve(self, **options)

@@ -1,0 +1,103 @@
+"""What a solve did: counts, times and residuals."""
+
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from math import isnan
+from time import perf_counter
+
+from ..algebra.nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
+from ..progress import doing
+
+
+@dataclass(repr=False)
+class Report:
+    """What a solve did.
+
+    inverse: the direct solver.    active: the active set of each iteration, the first is where it started.
+    coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of descent after a cycle.
+    converged: whether residual and complementarity are small; None until they are measured.
+    residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
+    when u is recovered and NaN before (LoadSteps).    timings: seconds.    notes: of the body, on ends of cracks that it moved.
+
+    projection: the degree of the polynomials onto which div u is projected where the material is nearly incompressible; None: nowhere.
+
+    With friction, tangential: states of the nodes in each iteration, codes of `nodal_newton`; method: in words;
+    threshold_changes: relative, of each step of a fixed point on the threshold; uniqueness: below 1 it proves that the law has
+    one solution (0: convex problem, None: not known).
+    """
+
+    unknowns: tuple
+    inverse: str = ""
+    timings: dict = field(default_factory=dict)
+    converged: bool | None = None
+    iterations: int = 0
+    active: list = field(default_factory=list)
+    coarse_iterations: int = 0
+    fallback: int = 0
+    residual: float = float("nan")
+    complementarity: float = float("nan")
+    tangential: list = field(default_factory=list)
+    method: str = "active set"
+    threshold_changes: list = field(default_factory=list)
+    uniqueness: float | None = None
+    notes: list = field(default_factory=list)
+    projection: int | None = None
+
+    def Counts(self):
+        """Nodes in contact and, with friction, nodes that stick and slip either way, at the end."""
+        counts = {"contact": int(self.active[-1].sum())}
+        if self.tangential:
+            counts |= {name: int((self.tangential[-1] == code).sum()) for name, code in (("stick", STICK), ("slip+", SLIP_PLUS), ("slip-", SLIP_MINUS))}
+        return counts
+
+    def _projection_lines(self):
+        if self.projection is None:
+            return []
+        return [f"divergence       projected onto P{self.projection} of each part where the material is nearly incompressible"]
+
+    def _friction_lines(self):
+        if not self.tangential:
+            return []
+        lines = ["states           " + ", ".join(f"{number} {name}" for name, number in self.Counts().items()), f"method           {self.method}"]
+        if len(self.threshold_changes) > 1:
+            changes = self.threshold_changes
+            lines.append(f"threshold        last changes {' '.join(f'{change:.1e}' for change in changes[-3:])}, factor {contraction(changes):.2g}")
+        if self.uniqueness is None:
+            return [*lines, "uniqueness       not known"]
+        return [*lines, f"uniqueness       {'proved' if self.uniqueness < 1 else 'not proved'} (number {self.uniqueness:.2g}, below 1 is sufficient)"]
+
+    def __str__(self):
+        sizes = " ".join(str(int(a.sum())) for a in self.active)
+        times = "  ".join(f"{name} {seconds:.3f}" for name, seconds in self.timings.items())
+        measured = lambda value: "measured when solution.u is first used" if isnan(value) else f"{value:.1e}"
+        return "\n".join(
+            [
+                f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
+                f"direct solver    {self.inverse}",
+                f"converged        {'not checked yet' if self.converged is None else self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
+                f"in contact       {sizes}" + (f"  (+ {self.fallback} safeguarded steps)" if self.fallback else ""),
+                *self._projection_lines(),
+                *self._friction_lines(),
+                f"residual         {measured(self.residual)}",
+                f"complementarity  {measured(self.complementarity)}",
+                f"seconds          {sum(self.timings.values()):.3f}: {times}",
+                *(f"note             {note}" for note in self.notes),
+            ]
+        )
+
+    __repr__ = __str__  # what a notebook shows
+
+
+def contraction(changes):
+    """The mean factor from one change to the next over the last three that are above round-off."""
+    above = [change for change in changes if change > 1e-13][-4:]
+    return (above[-1] / above[0]) ** (1 / (len(above) - 1)) if len(above) > 1 else 0.0
+
+
+@contextmanager
+def stage(timings, name, what):
+    """Books the seconds of a block in `timings`; what: said if it takes long."""
+    start = perf_counter()
+    with doing(what):
+        yield
+    timings[name] = perf_counter() - start

@@ -1,0 +1,274 @@
+"""What a solve returns."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from ngsolve import GridFunction, Id, Integrate
+
+from ..algebra.nodal_newton import FREE
+from ..arguments import check_item, check_regions, check_whole
+from ..fracture import stress_intensity as fracture
+from ..loads.load import AppliedLoad, check_unchanged
+from ..operators import NORMAL, TANGENTIAL, NormalGap, Slip
+from ..points import crack_points
+from ..spaces.incompressible import stress, stress_power
+from .mixed_system import LocalPressures
+
+
+@dataclass
+class CrackProfile:
+    """Arrays (n,) along a crack, in the user's units of length and stress.
+
+    s: arc length.    x, y: the points.    gap: g_n ≥ 0.    slip: g_t.    sigma_n: λ ≤ 0.    sigma_t: λ_t with friction, see Profile.
+    """
+
+    s: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    gap: np.ndarray
+    slip: np.ndarray
+    sigma_n: np.ndarray
+    sigma_t: np.ndarray
+
+
+@dataclass
+class State:
+    """Of the nodes where signs are taken.
+
+    nodes: W, or what stands for it.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
+    residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
+    p: the values whose signs are checked, L = T p.    work: of friction in this step, and how far it may be off.
+    """
+
+    nodes: object
+    L: np.ndarray
+    moments: np.ndarray
+    residual: np.ndarray
+    p: np.ndarray | None = None
+    work: tuple = (0.0, 0.0)
+
+
+class ContactSolution:
+    """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None.
+
+    u may be a function without arguments that computes u and the SupportResidual: it is called when one of them is first used.
+    tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
+    load: the Load of this step: F, and the terms it comes from.    a: the springs and joints of the solve, a StiffnessForm.
+    With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
+    """
+
+    def __init__(self, problem, u, multipliers, report, gamma, state, load=None):
+        self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
+        self._supports = None
+        self.a = problem.a.Copy()
+        self.load = load
+        self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
+
+    @property
+    def u(self):
+        """The displacement."""
+        if not isinstance(self._u, GridFunction):
+            self._u, self._supports = self._u()
+        return self._u
+
+    @property
+    def body(self):
+        """The CrackedMesh."""
+        return self.problem.body
+
+    @property
+    def applied(self):
+        """The AppliedLoad that this was solved for; of a solution that was read from a file it is not known, and empty."""
+        return self.load.applied if self.load is not None else AppliedLoad()
+
+    def CheckLoad(self):
+        """Raises ValueError if a coefficient of the load, such as a Parameter, has another value now than in the solve."""
+        if self.load is not None:
+            check_unchanged(self.applied, self.load.F, self.problem.V, "the solve")
+
+    @property
+    def stress(self):
+        """σ(u) + σ⁰, a 2 × 2 CoefficientFunction: with initial stress, temperature, and the stresses that terms in Grad(v) give."""
+        return self.StressAt(None)
+
+    def StressAt(self, side):
+        """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point."""
+        elastic, given = self.ElasticStress(side), self.applied.stress
+        return elastic if given is None else elastic + given
+
+    def ElasticStress(self, side):
+        """The same without what is given, C:ε(u)."""
+        elastic = stress(self.problem.material, self.u, side)
+        return elastic if self._pressure is None else elastic + self._pressure.At(side) * Id(2)
+
+    @cached_property
+    def _pressure(self):
+        """π of `mixed_system`, a PressureField, or None."""
+        if not self.problem.is_mixed:
+            return None
+        return LocalPressures(self.problem, self.gamma).Fit(self.multiplier - self._compared(NORMAL, "larger"))
+
+    def Energy(self):
+        """½ a(u, u), the elastic energy for each unit of thickness: stress × length². Springs of problem.a and given stresses have no part in it."""
+        power = stress_power(self.problem.material, self.u, self.u, self._pressure)
+        return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
+
+    def ContactForce(self, crack=0):
+        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length. Raises ValueError for a crack that is not there."""
+        return self._along(self.multiplier, crack)
+
+    def TangentialForce(self, crack=0):
+        """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction."""
+        return self._along(self.tangential_multiplier, crack)
+
+    def _along(self, function, crack):
+        check_item(crack, self.body.cracks, "crack", "body.cracks")
+        return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh) if function else 0.0
+
+    def Reactions(self):
+        """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
+
+        `total` of the table and the loads are in balance to round-off. Raises ValueError for a solution that was read from a file.
+        """
+        stress = self.stress
+        if self._supports is None:
+            raise ValueError("Reactions: this solution was read from a file, which does not hold the reactions; solve the problem again")
+        return self._supports.Forces(self.problem.V, stress)
+
+    def Reaction(self, place):
+        """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
+
+        place: a boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided
+        between them as σn on either side says.    Raises ValueError for a region that the mesh does not have and a vertex that is not pinned.
+        """
+        rows = self.Reactions()
+        if isinstance(place, str):
+            check_regions(self.body.mesh, place, "Reaction: region")
+            boundaries = self.body.mesh.GetBoundaries()
+            return rows.OfBoundaries({boundaries[i] for i in np.flatnonzero(list(self.body.mesh.Boundaries(place).Mask()))})
+        return rows.OfPin(place)
+
+    def FrictionWork(self):
+        """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes.
+
+        After a previous step by the trapezoidal rule for the threshold, which may change on the way; a first step has its last threshold.
+        """
+        return self.state.work[0]
+
+    def FrictionWorkError(self):
+        """How far FrictionWork() may be off because the threshold changes within the step: the difference of the trapezoidal from the end-point rule."""
+        return self.state.work[1]
+
+    def Multipliers(self):
+        """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""
+        L = self.state.L
+        return L if self.tangential_multiplier else np.concatenate([L, np.zeros(len(L))])
+
+    def Profile(self, crack=0, n=200):
+        """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.
+
+        sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact
+        frictionless contact makes zero.    Raises ValueError for a crack that is not there and for n < 2.
+        """
+        body = self.body
+        check_item(crack, body.cracks, "crack", "body.cracks")
+        check_whole(n, "Profile: n", 2)
+        s = np.linspace(0, body.cracks[crack].length, n)
+        points = crack_points(body, crack, s)
+        xy = np.array([body.cracks[crack].PointAt(si) for si in s])
+        gap, slip, sigma_n = (f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier))
+        if self.tangential_multiplier:
+            return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.tangential_multiplier(points).ravel())
+        # at a tip itself the terms of the stress cancel only in exact arithmetic
+        inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
+        return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.Traction(TANGENTIAL, "larger")(inside).ravel())
+
+    def FaceTractions(self):
+        """What acts on the faces beside contact and friction: the FaceTractions that are given, and those of elastic joints."""
+        given, joint = self.applied.tractions, self.a.joint
+        return given if joint is None else given + joint.Tractions(self.u)
+
+    def Traction(self, component, side):
+        """R_h(u) + r_0 of a side ("plus", "minus", "larger"): what the multiplier of a component (`operators.NORMAL`, `TANGENTIAL`) approximates."""
+        traction = self._compared(component, side)
+        return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
+
+    def _compared(self, component, side):
+        return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.applied.Shift(component, side, self.body)
+
+    def Transitions(self, crack=0):
+        """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
+        return self._changes(self.report.active[-1], crack)
+
+    def SlipTransitions(self, crack=0):
+        """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
+        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.state.nodes.ndof)
+        return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
+
+    def _changes(self, states, crack, where=lambda a, b: True):
+        positions = self.state.nodes.NodalPositions()
+        check_item(crack, positions, "crack", "body.cracks")
+        first = sum(len(p) for p in positions[:crack])
+        a, b = (states[first : first + len(positions[crack])][part] for part in (slice(None, -1), slice(1, None)))
+        changes = np.flatnonzero((a != b) & where(a, b))
+        s = np.array(positions[crack])
+        return 0.5 * (s[changes] + s[changes + 1])
+
+    def StressIntensity(self, tip=0, method="interaction", radius=None):
+        """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).
+
+        method: "interaction" (default), the interaction integral over disks around the tip, with the body force and the
+            tractions of closed lips; "modes", the coefficients of the space's modes; "jump", extrapolated jumps; or an
+            object with Evaluate(solution, tip): InteractionIntegral, ModeCoefficients, JumpExtrapolation.
+        radius: of the largest disk, in the unit of length; default eight elements, less where there is no room.
+        The crack may bend inside the disk; ∂Ω and other cracks must be outside. The material is the same in the disk, and
+        coefficients of the load (such as a Parameter) have the values of the solve.
+        Raises ValueError for a disk that does not fit, for a method that the space does not allow, and for a load on
+        derivatives of the test function.
+        """
+        return fracture.stress_intensity(self, tip, method, radius)
+
+    def EnergyReleaseRate(self, tip=0, radius=None):
+        """G at a tip by the J-integral over disks, and by Irwin from K_I, K_II; see EnergyReleaseRate of `fracture`.
+
+        J is quadratic in u: with P1 on coarse meshes Irwin's value is the better one. Raises as StressIntensity.
+        """
+        return fracture.energy_release_rate(self, tip, radius)
+
+    def TStress(self, tip=0, radius=None):
+        """The T-stress at a tip, by an interaction integral with the field of a force in the tip: a TStress, float(...) is its value.
+
+        It is the constant part of σ_ee, e the direction ahead: with given stresses, pressure on the faces and contact. radius: as for StressIntensity.
+        Raises as StressIntensity.
+        """
+        return fracture.t_stress(self, tip, radius)
+
+    def VonMises(self):
+        """The von Mises stress, a CoefficientFunction: σ_zz = 0 in plane stress, ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
+        return self.problem.material.VonMises(self.stress, self.problem.temperature)
+
+    def PotentialEnergy(self):
+        """Π = ½ a(u, u) - L(u), springs and given stresses included. Without friction G = -dΠ/da, a the length of the crack."""
+        U = self.u.vec.FV().NumPy()
+        return self.Energy() + float((0.5 * self.a.Forces(self.u) - self.load.F) @ U)
+
+    def Draw(self, **options):
+        """Shows the deformed body with the crack open in a notebook.
+
+        options: field, a CoefficientFunction (default: the von Mises stress), scale of the displacement (default: the largest is 5 % of the
+        body), and those of ngsolve.webgui.Draw, see `plotting.draw`.
+        """
+        from ..pictures.plotting import draw
+
+        return draw(self, **options)
+
+    def SaveVTK(self, path):
+        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
+
+        path: the ending is added if it is missing. The file appears when it is complete.
+        Raises FileNotFoundError if there is no such folder, OSError if the disk is full.
+        """
+        from ..pictures.plotting import save_vtk
+
+        return save_vtk(self, path)

@@ -1,0 +1,1 @@
+"""Solutions in closed form, for tests and benchmarks."""

@@ -1,0 +1,167 @@
+"""Closed-form solutions with a crack on y = 0, plane strain, no body force: (a) to (e) of docs/measured.md.
+
+They hold in the whole plane, so that any polygon may be the body: rotate and shift the body, not the formulas.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, CoefficientFunction, IfPos, InnerProduct, Integrate, Mesh, cos, exp, sin, sqrt, x, y
+
+from .._ngsxfem_contact import Crack
+from ..fracture.tip_fields import half_angle
+from ..operators import Slip
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """Exact fields as CoefficientFunctions of x and y: u (2), stress (2, 2), and on the crack pressure = σ_n ≤ 0, gap, shear = σ_t, slip."""
+
+    u: CoefficientFunction
+    stress: CoefficientFunction
+    pressure: CoefficientFunction
+    gap: CoefficientFunction
+    shear: CoefficientFunction = CF(0)
+    slip: CoefficientFunction | None = None
+
+
+def uniform_compression(material, p=1, sigma_xx=0.3):
+    """(a): a closed crack under σ_yy = -p, σ_xx given; u is linear."""
+    strain = material.Strain(CF((sigma_xx, 0, 0, -p), dims=(2, 2)))
+    return ClosedForm(strain * CF((x, y)), _matrix(CF(sigma_xx), CF(0), CF(-p)), CF(-p), CF(0))
+
+
+def uniform_stress(material, sigma_xx, sigma_xy, sigma_yy):
+    """A sticking, closed crack under constant stress, σ_yy ≤ 0: the body without a crack."""
+    closed = uniform_compression(material, -sigma_yy, sigma_xx)
+    u = closed.u + 0.5 * sigma_xy / material.mu * CF((y, x))
+    return ClosedForm(u, _matrix(CF(sigma_xx), CF(sigma_xy), CF(sigma_yy)), CF(sigma_yy), CF(0), CF(sigma_xy), CF(0))
+
+
+def sticking_crack(material, a=1.5, p=10):
+    """The uncracked body under Airy's function cos(ax) exp(-ay) and σ_yy = -p: smooth, sheared, closed where p is large."""
+    wave = exp(-a * y)
+    u, uniform = CF((a * sin(a * x), a * cos(a * x))) * wave / (2 * material.mu), uniform_stress(material, 0, 0, -p)
+    xx, xy = a * a * cos(a * x) * wave, -a * a * sin(a * x) * wave
+    return ClosedForm(u + uniform.u, _matrix(xx, xy, -xx) + uniform.stress, -xx - p, CF(0), xy, CF(0))
+
+
+def open_tip(material, K=1, tip=0):
+    """(b): K_I at a tip (tip, 0) with the crack on x < tip."""
+    X, Y, r, c, s = _tip_coordinates(tip)
+    kappa, scale = material.kappa, K / (2 * material.mu * np.sqrt(2 * pi))
+    u = scale * sqrt(r) * CF((c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c)))
+    s3, c3 = s * (3 - 4 * s * s), c * (4 * c * c - 3)
+    stress = _matrix(c * (1 - s * s3), s * c * c3, c * (1 + s * s3))
+    gap = scale * 2 * (kappa + 1) * sqrt(IfPos(-X, -X, 0))
+    return ClosedForm(u, K / sqrt(2 * pi * r) * stress, CF(0), gap)
+
+
+def slipping_tip(material, K=1, p=1, tip=0):
+    """(c): K_II at a tip (tip, 0), crack on x < tip, closed under the uniform compression σ_yy = -p."""
+    X, Y, r, c, s = _tip_coordinates(tip)
+    kappa, scale = material.kappa, K / (2 * material.mu * np.sqrt(2 * pi))
+    u = scale * sqrt(r) * CF((s * (kappa + 1 + 2 * c * c), -c * (kappa - 1 - 2 * s * s)))
+    s3, c3 = s * (3 - 4 * s * s), c * (4 * c * c - 3)
+    stress = _matrix(-s * (2 + c * c3), c * (1 - s * s3), s * c * c3)
+    closed = uniform_compression(material, p, 0)
+    slip = scale * 2 * (kappa + 1) * sqrt(IfPos(-X, -X, 0))
+    return ClosedForm(u + closed.u, K / sqrt(2 * pi * r) * stress + closed.stress, CF(-p), CF(0), CF(0), slip)
+
+
+def sliding_tip(material, mu_f, K=1, p=1, tip=0):
+    """(e): (c) with K ≥ 0 and Coulomb friction, σ_xy = mu_f p: the closed crack slides on its whole length."""
+    slipping, shear = slipping_tip(material, K, 0, tip), uniform_stress(material, 0, mu_f * p, -p)
+    return ClosedForm(slipping.u + shear.u, slipping.stress + shear.stress, CF(-p), CF(0), CF(mu_f * p), slipping.slip)
+
+
+def contact_transition(material, c=1, x0=0):
+    """(d): open for x > x0 with gap ∝ (x - x0)^{3/2}, closed for x < x0 with σ_n = -c √(x0 - x)."""
+    X, sign = x - x0, IfPos(-y, -1, 1)
+    Y = sign * y
+    r = sqrt(X * X + Y * Y + 1e-200)
+    C, S = half_angle(X, Y, r)
+    re_Z, im_Z = -c * S, c * C
+    re_Zhat, im_Zhat = -2 / 3 * c * (X * S + Y * C), 2 / 3 * c * (X * C - Y * S)
+    re_dZ, im_dZ = 0.5 * c * S / r, 0.5 * c * C / r
+    kappa, mu = material.kappa, material.mu
+    u = 0.5 / mu * CF((0.5 * (kappa - 1) * re_Zhat - Y * im_Z, sign * (0.5 * (kappa + 1) * im_Zhat - Y * re_Z)))
+    stress = _matrix(re_Z - Y * im_dZ, -sign * Y * re_dZ, re_Z + Y * im_dZ)
+    opening = IfPos(X, X, 0)
+    return ClosedForm(u, stress, -c * sqrt(IfPos(-X, -X, 0)), 0.5 / mu * (kappa + 1) * 2 / 3 * c * opening * sqrt(opening))
+
+
+def _tip_coordinates(tip):
+    X = x - tip
+    r = sqrt(X * X + y * y + 1e-200)
+    C, S = half_angle(X, y, r)
+    return X, y, r, C / sqrt(r), S / sqrt(r)
+
+
+def _matrix(xx, xy, yy):
+    return CF((xx, xy, xy, yy), dims=(2, 2)).Compile()
+
+
+def rotated_square(angle, offset, maxh, size=1):
+    """A mesh of the square of the given size, rotated by angle about its centre at offset; one boundary, "outer"."""
+    geometry = SplineGeometry()
+    points = [geometry.AppendPoint(*corner) for corner in corners(angle, offset, size)]
+    for i in range(4):
+        geometry.Append(["line", points[i], points[(i + 1) % 4]], bc="outer")
+    return Mesh(geometry.GenerateMesh(maxh=maxh))
+
+
+def position(i):
+    """Angle and offset of the i-th body of a series: irrational steps, the origin stays at least 0.4 away from its boundary."""
+    return 0.1 + 0.7 * ((i * 0.618034) % 1), (0.05 * np.cos(2.4 * i), 0.05 * np.sin(2.4 * i))
+
+
+def corners(angle, offset, size=1):
+    """Of the rotated square, counter-clockwise: (4, 2)."""
+    square = 0.5 * size * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return square @ rotation.T + np.asarray(offset)
+
+
+def mouths(angle, offset, size=1):
+    """The two x at which the line y = 0 leaves the rotated square."""
+    p = corners(angle, offset, size)
+    q = np.roll(p, -1, axis=0)
+    crossing = p[:, 1] * q[:, 1] < 0
+    a, b = p[crossing], q[crossing]
+    return sorted(a[:, 0] - a[:, 1] * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1]))
+
+
+def crack_on_axis(start, end):
+    """The crack from (start, 0) to (end, 0)."""
+    return Crack([(float(start), 0.0), (float(end), 0.0)])
+
+
+def energy_error(solution, exact, bonus_intorder=6):
+    """(a(u - u_h, u - u_h))^{1/2}."""
+    difference = solution.stress - exact.stress
+    return np.sqrt(
+        Integrate(InnerProduct(difference, solution.problem.material.Strain(difference)) * solution.body.dx(bonus_intorder=bonus_intorder), solution.body.mesh)
+    )
+
+
+def pressure_error(solution, exact, bonus_intorder=10):
+    """‖σ_n - λ_h‖ in L²(Γ_C)."""
+    return error_on_crack(solution, solution.multiplier - exact.pressure, bonus_intorder)
+
+
+def shear_error(solution, exact, bonus_intorder=10):
+    """‖σ_t - λ_t‖ in L²(Γ_C)."""
+    return error_on_crack(solution, solution.tangential_multiplier - exact.shear, bonus_intorder)
+
+
+def slip_error(solution, exact, bonus_intorder=10):
+    """‖g_t(u) - g_t(u_h)‖ in L²(Γ_C)."""
+    return error_on_crack(solution, Slip(solution.u, solution.body) - exact.slip, bonus_intorder)
+
+
+def error_on_crack(solution, difference, bonus_intorder):
+    """‖difference‖ in L²(Γ_C)."""
+    return np.sqrt(Integrate(difference * difference * solution.problem.W.dcrack(bonus_intorder=bonus_intorder), solution.body.mesh))

@@ -1,0 +1,69 @@
+"""Cracks whose stress intensity factors are known: in the infinite plate in closed form, in finite plates from handbooks."""
+
+from dataclasses import dataclass
+from math import cos, pi, sin, sqrt, tan
+
+from ngsolve import CF, CoefficientFunction, x, y
+from ngsolve import sqrt as root
+
+from ..fracture.tip_fields import half_angle
+
+
+@dataclass(frozen=True)
+class InfinitePlate:
+    """u (2) in the whole plane, the factors at both tips (K_II: the sign of the slip), the multiplier σ_n on the crack."""
+
+    u: CoefficientFunction
+    K_I: float
+    K_II: float
+    sigma_n: float
+
+
+def infinite_plate(material, a, normal, shear, along=0, friction=0):
+    """The crack |x| < a, y = 0 under σ_yy = normal, σ_xy = shear, σ_xx = along at infinity.
+
+    Westergaard's functions Z = σ z/√(z² - a²): K_I = normal √(πa), K_II = shear √(πa). Under compression the faces touch,
+    σ_n = normal, K_I = 0, and friction (the coefficient of Coulomb) carries up to friction |normal| of the shear.
+    """
+    opening = max(normal, 0)
+    carried = min(abs(shear), friction * max(-normal, 0)) * (1 if shear > 0 else -1)
+    kappa, mu = material.kappa, material.mu
+    uniform = _uniform(material, along - opening, normal - opening, carried)
+    re, im = _root(a)  # √(z² - a²)
+    square = re * re + im * im
+    re_Z, im_Z = (x * re + y * im) / square, (y * re - x * im) / square  # z/√(z² - a²)
+    first = CF((0.5 * (kappa - 1) * re - y * im_Z, 0.5 * (kappa + 1) * im - y * re_Z))
+    second = CF((0.5 * (kappa + 1) * im + y * re_Z, -0.5 * (kappa - 1) * re - y * im_Z))
+    u = uniform + 0.5 / mu * (opening * first + (shear - carried) * second)
+    return InfinitePlate(u, opening * sqrt(pi * a), (shear - carried) * sqrt(pi * a), min(normal, 0))
+
+
+def _root(a):
+    """Real and imaginary part of √(z - a) √(z + a): the cut is the crack."""
+    (c1, s1), (c2, s2) = (half_angle(x - d, y, root((x - d) ** 2 + y**2 + 1e-200)) for d in (a, -a))
+    return c1 * c2 - s1 * s2, c1 * s2 + s1 * c2
+
+
+def _uniform(material, xx, yy, xy):
+    """The linear displacement of a uniform stress."""
+    return material.Strain(CF((xx, xy, xy, yy), dims=(2, 2))) * CF((x, y))
+
+
+def inclined(stress, psi):
+    """(normal, shear, along) on a crack under uniaxial `stress` whose axis makes the angle psi with the crack.
+
+    The axis points to (cos ψ, sin ψ) in the crack's coordinates. For compression, stress = -σ, with the angle of friction
+    φ: K_II = -σ sin ψ (cos ψ - sin ψ tan φ) √(πa), as long as it slips.
+    """
+    return stress * sin(psi) ** 2, stress * sin(psi) * cos(psi), stress * cos(psi) ** 2
+
+
+def single_edge_tension(ratio):
+    """K_I / (σ√(πa)) of an edge crack a = ratio W in a long strip of width W: Tada, Paris, Irwin, The Stress Analysis of Cracks Handbook, within 0.5 %."""
+    half = pi * ratio / 2
+    return sqrt(tan(half) / half) * (0.752 + 2.02 * ratio + 0.37 * (1 - sin(half)) ** 3) / cos(half)
+
+
+def centre_crack_tension(ratio):
+    """K_I / (σ√(πa)) of a central crack 2a = ratio 2W in a long strip of width 2W: Tada, Paris, Irwin, within 0.1 %."""
+    return (1 - 0.025 * ratio**2 + 0.06 * ratio**4) / sqrt(cos(pi * ratio / 2))

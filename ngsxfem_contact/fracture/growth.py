@@ -1,0 +1,354 @@
+"""Growth of cracks step by step, contact active throughout, on one mesh: docs/method.md, section 9."""
+
+import csv
+from dataclasses import dataclass
+from math import atan2, cos, degrees, pi, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+
+from .._ngsxfem_contact import Crack, CrackedMesh
+from ..arguments import check_number, check_positive, check_whole
+from ..errors import SingularSystem
+from ..files import write_whole
+from ..progress import doing
+from ..spaces.resolution import warn_of_short_increment
+from .stress_intensity import is_closed
+from .tip_fields import TipFrame, distance_along
+
+ENDS = ("start", "end")
+GROWS, WAITS = "grows", "waits: it grows less than half an increment"
+ROOM = 2.5  # elements between a new tip and what is next
+
+
+@dataclass(frozen=True)
+class MaximumHoopStress:
+    """Erdogan and Sih (1963): growth at the angle θ where σ_θθ √(2πr) = K_I cos³(θ/2) - 3 K_II cos²(θ/2) sin(θ/2) is largest.
+
+    A tip whose faces touch does not grow: contact makes K_I = 0 there. WingCracks lets it kink.
+
+    >>> round(degrees(MaximumHoopStress().Angle(K_I=0, K_II=1)), 2)
+    -70.53
+    """
+
+    grows_closed = False
+
+    def Angle(self, K_I, K_II):
+        """θ in radians from the direction ahead, counter-clockwise: K_I sin θ + K_II (3 cos θ - 1) = 0, |θ| ≤ 70.53°."""
+        if K_II == 0:
+            return 0.0
+        return 2 * atan2(-2 * K_II, K_I + sqrt(K_I**2 + 8 * K_II**2))
+
+    def Driving(self, K_I, K_II):
+        """The largest σ_θθ √(2πr): for K_II = 0 it is K_I."""
+        half = 0.5 * self.Angle(K_I, K_II)
+        return cos(half) ** 2 * (K_I * cos(half) - 3 * K_II * sin(half))
+
+
+@dataclass(frozen=True)
+class WingCracks(MaximumHoopStress):
+    """MaximumHoopStress also at closed tips that slide, with K_I = 0 there: a kink of 70.53° that opens."""
+
+    grows_closed = True
+
+
+@dataclass(frozen=True)
+class GivenIncrement:
+    """Every tip that grows advances by da, a length > 0. Raises ValueError for others."""
+
+    da: float
+
+    def __post_init__(self):
+        check_positive(self.da, "GivenIncrement: da")
+
+    def Advances(self, driving):
+        """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted."""
+        return np.full(len(driving), self.da), 0.0
+
+
+@dataclass(frozen=True)
+class Paris:
+    """da/dN = C (ΔK)^m, ΔK = (1 - ratio) K for loads between ratio and 1 times the given one.
+
+    The tip with the largest ΔK advances by da, in da / (C ΔK^m) cycles, the others by what they grow meanwhile.
+    C: > 0, in length / cycle / (stress × √length)^m.    m: > 0.    da: a length > 0.    ratio: of the least to the largest load, 0 ≤ ratio < 1.
+    Raises ValueError for others. Source: Paris and Erdogan (1963).
+    """
+
+    C: float
+    m: float
+    da: float
+    ratio: float = 0.0
+
+    def __post_init__(self):
+        for name in ("C", "m", "da"):
+            check_positive(getattr(self, name), f"Paris: {name}")
+        check_number(self.ratio, "Paris: ratio", lambda ratio: 0 <= ratio < 1, "be at least 0 and less than 1")
+
+    def Advances(self, driving):
+        """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take."""
+        rates = self.C * ((1 - self.ratio) * np.asarray(driving)) ** self.m
+        cycles = self.da / rates.max()
+        return rates * cycles, float(cycles)
+
+
+@dataclass
+class TipStep:
+    """One tip in one state of the cracks.
+
+    length, K_I, K_II, error, driving: of this state.    cycles: that led to it; 0 at first.
+    angle, advance: where the tip goes from here, in degrees from ahead and in length.    state: "grows", or why it does not.
+    """
+
+    step: int
+    crack: int
+    end: str
+    x: float
+    y: float
+    length: float
+    K_I: float = float("nan")
+    K_II: float = float("nan")
+    error: float = float("nan")
+    driving: float = float("nan")
+    angle: float = 0.0
+    advance: float = 0.0
+    cycles: float = 0.0
+    state: str = ""
+
+
+class CrackGrowth:
+    """Solves, evaluates K at every tip and lets the cracks grow, again and again; the mesh never changes.
+
+    make_problem: function of a list of cracks that returns the ContactProblem on the one mesh, loads included.
+    cracks: the first cracks, a list of Crack.    law: GivenIncrement(da) or Paris(C, m, da).
+    criterion: MaximumHoopStress() or WingCracks(), or an object with grows_closed, Angle and Driving.
+    toughness: tips with less Driving stay as they are, in stress × √length; default 0.
+    da should be three elements or more, AccuracyWarning says where it is less: behind a turn the tip's functions have room on the new part only.
+    A turn that the error of K_II may have made is none: the tip goes straight on, without a kink.
+    A tip that comes within 2.5 elements of ∂Ω cuts through to it; where that leaves a part of the body free to move, the growth ends.
+    Every state is solved from the unloaded body: friction has no memory of the states before.
+
+    cracks: those of the last rows.    rows: a TipStep for each tip of each state, at the end of those that cut through.
+    solutions: of the states.    cycles: that led to the last one.
+    """
+
+    def __init__(self, make_problem, cracks, law, criterion=MaximumHoopStress(), toughness=0.0):
+        check_number(toughness, "CrackGrowth: toughness", lambda toughness: 0 <= toughness < float("inf"), "be a finite number >= 0")
+        if not callable(make_problem):
+            raise TypeError(f"CrackGrowth: make_problem={make_problem!r} is not a function of a list of cracks that returns a ContactProblem")
+        if not isinstance(cracks, (list, tuple)) or not cracks or not all(isinstance(crack, Crack) for crack in cracks):
+            raise TypeError(f"CrackGrowth: cracks={cracks!r} is not a list of one or more cracks")
+        if not hasattr(law, "Advances") or not (hasattr(criterion, "Angle") and hasattr(criterion, "Driving")):
+            raise TypeError(f"CrackGrowth: law={law!r} needs Advances, criterion={criterion!r} needs Angle and Driving")
+        self.make_problem, self.cracks, self.law, self.criterion, self.toughness = make_problem, list(cracks), law, criterion, toughness
+        self.solutions, self.rows = [], []
+        self.cycles = 0.0
+        self._next = self.cracks, self.cycles  # of the next state
+        self._ended, self._owed = {}, {}  # by (crack, end): why a tip stopped for good; advance not yet made
+        self._cut = {}  # by (crack, end): where it went through ∂Ω
+        self._warned = False
+
+    def Run(self, steps):
+        """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
+        check_whole(steps, "CrackGrowth: steps", 0)
+        for number in range(steps):
+            with doing(f"crack growth, step {number + 1} of at most {steps}"):
+                if not any(row.state == GROWS or row.state == WAITS for row in self.Step()):
+                    break
+        return self.table
+
+    def Step(self):
+        """The next state: growth as the last rows say, one solve; returns its TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
+        cracks, cycles = self._next
+        rows = [
+            TipStep(self._count, crack, end, x, y, cracks[crack].length, cycles=cycles, state=self._ended[crack, end])
+            for (crack, end), (x, y) in self._cut.items()
+        ]
+        try:
+            rows = self._solved(cracks, cycles) + rows
+        except SingularSystem:
+            if not self._cut:
+                raise  # otherwise a part of the body is cut off, and free
+        self.cracks, self.cycles = cracks, cycles
+        self.rows += rows
+        return rows
+
+    @property
+    def _count(self):
+        """The number of states so far."""
+        return self.rows[-1].step + 1 if self.rows else 0
+
+    def _solved(self, cracks, cycles):
+        """The rows of the tips of a state; plans the next one."""
+        problem = self.make_problem(cracks)
+        if not hasattr(problem, "Solve"):
+            raise TypeError(f"CrackGrowth: make_problem returned {problem!r}; it must return a ContactProblem")
+        solution = problem.Solve()
+        rows = [self._evaluate(solution, number) for number in range(len(solution.body.tips))]
+        self._next = cracks, cycles
+        growing = [row for row in rows if not row.state]
+        if growing:
+            advances, more = self.law.Advances([row.driving for row in growing])
+            self._next = cracks, cycles + more
+            for row, advance in sorted(zip(growing, advances), key=lambda pair: -pair[0].driving):
+                self._grow(solution, row, float(advance))
+        for row in rows:
+            row.cycles = cycles
+        self.solutions.append(solution)
+        return rows
+
+    def _evaluate(self, solution, number):
+        """Factors and driving force of a tip; a state if it does not grow."""
+        tip = solution.body.tips[number]
+        crack, end = key = tip.crack, ENDS[int(tip.s > 0)]
+        x, y = tip.point
+        row = TipStep(self._count, crack, end, x, y, solution.body.cracks[crack].length, state=self._ended.get(key, ""))
+        try:
+            factors = solution.StressIntensity(number)
+        except ValueError as no_room:
+            row.state = self._ended[key] = row.state or f"stopped: {no_room}"
+            return row
+        row.K_I, row.K_II, row.error = factors.K_I, factors.K_II, factors.error
+        closed = row.K_I <= row.error or is_closed(solution, number)  # K_I < 0 is contact that the mesh does not resolve
+        K = (0.0 if closed else row.K_I, row.K_II)
+        row.driving = self.criterion.Driving(*K)
+        if abs(row.K_II) > row.error:
+            row.angle = degrees(self.criterion.Angle(*K))
+        row.state = row.state or self._arrest(row, closed)
+        return row
+
+    def _arrest(self, row, closed):
+        if closed and not self.criterion.grows_closed:
+            return "arrested: the faces touch at the tip, K_I = 0"
+        if row.driving <= max(self.toughness, row.error):
+            return f"arrested: driving {row.driving:.3g} is not above {'the toughness' if self.toughness > row.error else 'its own error'}"
+        return ""
+
+    def _grow(self, solution, row, advance):
+        """Extends the crack of the next state, unless the new tip would not fit; small advances wait until they add up to half of da."""
+        key = (row.crack, row.end)
+        advance += self._owed.pop(key, 0.0)
+        if advance < 0.5 * self.law.da:
+            self._owed[key] = advance
+            row.state = WAITS
+            return
+        cracks, cycles = self._next
+        frame = TipFrame(solution.body, tip_number(solution.body, *key))
+        self._warned = self._warned or warn_of_short_increment(solution.body, frame.tip, advance)
+        obstacles = []
+        for trial in trials(cracks, row, frame, advance):
+            try:
+                check_room(CrackedMesh(solution.body.mesh, *trial), solution.problem.material, *key)
+            except Exception as obstacle:  # of the core: the new part leaves the body, meets a crack, or has no room
+                obstacles.append(obstacle)
+            else:
+                self._next, row.advance, row.state = (trial, cycles), advance, GROWS
+                return
+        if not self._cuts_through(solution, row, frame, advance):
+            row.state = self._ended[key] = f"stopped: {obstacles[0]}"
+
+    def _cuts_through(self, solution, row, frame, advance):
+        """Whether the way ahead ends at ∂Ω before the advance, or so soon after it that no tip fits between; then the next state is cut there."""
+        cracks, cycles = self._next
+        point, direction = np.array(frame.tip.point), turned(frame, row.angle)
+        way = distance_along(solution.body.mesh, point, direction)
+        if way > advance + ROOM * frame.h:
+            return False
+        longer = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, None if row.angle == 0 else tuple(point), tuple(point + way * direction)))
+        try:
+            fitted = CrackedMesh(solution.body.mesh, *longer)
+        except Exception:  # of the core, as in _grow
+            return False
+        key = row.crack, row.end
+        if any((tip.crack, ENDS[int(tip.s > 0)]) == key for tip in fitted.tips):
+            return False
+        end = fitted.cracks[row.crack].points[0 if row.end == "start" else -1]  # on the curve of ∂Ω
+        self._next, row.advance, row.state = (fitted.cracks, cycles), float(np.hypot(*np.subtract(end, point))), GROWS
+        self._cut[key] = end
+        self._ended[key] = f"has cut the body: it reached the boundary at ({end[0]:.6g}, {end[1]:.6g})"
+        return True
+
+    @property
+    def table(self):
+        """A numpy structured array with the fields of TipStep, one row for each state and tip."""
+        types = [(name, "U200" if f.type is str else f.type) for name, f in TipStep.__dataclass_fields__.items()]
+        return np.array([tuple(vars(row).values()) for row in self.rows], dtype=types)
+
+    def __str__(self):
+        lines = ["step crack end          x         y   length       K_I      K_II   angle  advance     cycles  state"]
+        for r in self.rows:
+            lines.append(
+                f"{r.step:4} {r.crack:5} {r.end:5} {r.x:9.5f} {r.y:9.5f} {r.length:8.5f} {r.K_I:9.4g} {r.K_II:9.3g} {r.angle:7.2f} {r.advance:8.4g} {r.cycles:10.4g}  {r.state}"
+            )
+        return "\n".join(lines)
+
+    def SaveTable(self, path):
+        """Writes the table as CSV; returns the path. The file appears when it is complete."""
+        table = self.table
+
+        def write(temporary):
+            with open(temporary, "w", newline="") as file:
+                csv.writer(file).writerows([table.dtype.names, *table.tolist()])
+
+        return write_whole(Path(path), write)
+
+    def Animate(self, path, scale=None, seconds=0.5):
+        """Writes the opened body of every state as an animated GIF (needs matplotlib with pillow); returns the path."""
+        from ..pictures.plotting import animate
+
+        if not self.solutions:
+            raise ValueError("CrackGrowth: there is no step to show; call Run(steps) first")
+        titles = [
+            f"step {i}, " + ", ".join(f"K_I {r.K_I:.3g}  K_II {r.K_II:.2g}" for r in self.rows if r.step == i and r.K_I == r.K_I)
+            for i in range(len(self.solutions))
+        ]
+        return animate(self.solutions, path, titles, scale, seconds)
+
+
+def trials(cracks, row, frame, advance):
+    """The cracks with the new part; with a kink also with it up to an element further ahead: a crack may pass an element once only."""
+    tip, ahead, direction = np.array(frame.tip.point), np.array(frame.tip.ahead), turned(frame, row.angle)
+    if row.angle == 0:
+        yield with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, None, tuple(tip + advance * direction)))
+        return
+    for shift in min(frame.h, 0.5 * advance) * np.linspace(0, 1, 9):
+        kink = tip + shift * ahead
+        yield with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tuple(kink), tuple(kink + (advance - shift) * direction)))
+
+
+def turned(frame, angle):
+    """The direction at an angle in degrees from ahead of a tip."""
+    ahead, turn = np.array(frame.tip.ahead), angle * pi / 180
+    return cos(turn) * ahead + sin(turn) * np.array([-ahead[1], ahead[0]])
+
+
+def with_crack(cracks, number, crack):
+    """The list with one crack replaced."""
+    return [crack if i == number else other for i, other in enumerate(cracks)]
+
+
+def extended(crack, end, kink, tip):
+    """The crack with a straight new part up to a tip, from a kink at or ahead of its start or end; kink=None: its last straight piece is prolonged."""
+    between = [] if kink is None else [kink]
+    if all(kind == "segment" for kind, _ in crack.pieces):
+        return Crack([tip, *between, *crack.points[1:]] if end == "start" else [*crack.points[:-1], *between, tip])
+    old = crack.points[0 if end == "start" else -1]
+    new = [old, tip] if kink is None or np.hypot(*np.subtract(kink, old)) <= 1e-9 * crack.length else [old, kink, tip]
+    return Crack.Join(Crack(new[::-1]), crack) if end == "start" else Crack.Join(crack, Crack(new))
+
+
+def tip_number(body, crack, end):
+    """The place of a crack's end in body.tips. Raises ValueError if it is none."""
+    for number, tip in enumerate(body.tips):
+        if (tip.crack, ENDS[int(tip.s > 0)]) == (crack, end):
+            return number
+    raise ValueError(f"the {end} of crack {crack} would lie on the boundary")
+
+
+def check_room(body, material, crack, end):
+    """Raises ValueError unless this end of the crack is a tip with a disk of two elements around it."""
+    number = tip_number(body, crack, end)
+    frame = TipFrame(body, number)
+    room, limit = frame.Clearance(material)
+    if room <= ROOM * frame.h:
+        raise ValueError(f"the new tip {body.tips[number].point} would be {room:.4g} from {limit}, less than {ROOM} elements (h = {frame.h:.4g})")

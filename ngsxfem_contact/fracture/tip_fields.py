@@ -1,0 +1,149 @@
+"""Coordinates at a tip, the weight q of domain integrals, and the gradients of the two modes of docs/method.md, section 3."""
+
+from math import pi
+
+import numpy as np
+from ngsolve import BND, CF, IfPos, sqrt, x, y
+
+from ..pictures.split_mesh import mesh_arrays
+from ..points import distance_to_segments
+
+SIDE = {"plus": 1, "minus": -1}
+
+
+def half_angle(X, Y, r, side=None):
+    """√r cos(θ/2), √r sin(θ/2), θ the angle of (X, Y).
+
+    side: None for θ in (-π, π]; otherwise ±1, which of the two sides of the cut a point with X < 0 belongs to: the cut
+    may be any curve that leaves the origin at θ = π.
+    """
+    large = sqrt(0.5 * (r + IfPos(X, X, -X)))
+    small = 0.5 * IfPos(Y, Y, -Y) / large
+    sign = IfPos(-Y, -1, 1)
+    behind = sign if side is None else side
+    return IfPos(X, large, sign * behind * small), IfPos(X, sign * small, behind * large)
+
+
+class TipFrame:
+    """Coordinates X, Y, r at a tip of `body.tips`, X ahead; θ = ±π on the lips, at the tip and along the crack as it bends."""
+
+    def __init__(self, body, number):
+        self.body, self.tip = body, body.tips[number]
+        self.crack = body.cracks[self.tip.crack]
+        a, b = self.tip.ahead
+        self.ahead, self.left = CF((a, b)), CF((-b, a))
+        dx, dy = x - self.tip.point[0], y - self.tip.point[1]
+        self.X, self.Y = a * dx + b * dy, a * dy - b * dx
+        self.r = sqrt(self.X**2 + self.Y**2 + 1e-200)
+        self.orientation = 1 if self.tip.s > 0 else -1  # the sign of θ on the plus side
+
+    @property
+    def h(self):
+        """The longest edge of the largest element that carries the tip."""
+        at_tip = lambda location: min(abs(s - self.tip.s) for s in location.arclength) <= 1e-9 * self.crack.length
+        return max(location.h for location in self.body.Elements(self.tip.crack) if at_tip(location))
+
+    def Weight(self, radius):
+        """q = 1 - t³ (10 - 15 t + 6 t²), t = r/radius: 1 at the tip, 0 for r ≥ radius, C²."""
+        t = self.r / radius
+        return IfPos(1 - t, 1 - t**3 * (10 - 15 * t + 6 * t**2), 0)
+
+    def WeightGradient(self, radius):
+        """∇q."""
+        t = self.r / radius
+        return IfPos(1 - t, -30 * t * (1 - t) ** 2 / radius**2, 0) * (self.X * self.ahead + self.Y * self.left)
+
+    def ModeGradients(self, material, side=None):
+        """∂_j u_i of the fields of unit K_I and of unit K_II; side: None by position, or "plus", "minus" of the crack."""
+        H = self.crack.side if side is None else SIDE[side]
+        C, S = half_angle(self.X, self.Y, self.r, self.orientation * H)
+        root = sqrt(self.r)
+        return [self._gradient(material.mu, *angular) for angular in _angular(material.kappa, C / root, S / root)]
+
+    def _gradient(self, mu, g, dg):
+        """Of √r g(θ) / (2μ√(2π)) in the tip's frame, dg = g'."""
+        cos, sin = self.X / self.r, self.Y / self.r
+        along, across = 0.5 * cos * g - sin * dg, 0.5 * sin * g + cos * dg
+        scale = 1 / (2 * mu * sqrt(2 * pi * self.r))
+        return self._matrix([scale * (along[i] * self.ahead + across[i] * self.left) for i in range(2)])
+
+    def _matrix(self, rows):
+        """The gradient of a displacement whose components ahead and to the left have these gradients."""
+        a, b = self.ahead, self.left
+        return CF(tuple(a[i] * rows[0][j] + b[i] * rows[1][j] for i in range(2) for j in range(2)), dims=(2, 2))
+
+    def PointForceGradient(self, material):
+        """∂_j u_i under a unit force ahead in the tip, the crack on θ = ±π: σ_rr = -cos θ / (π r) and no other stress.
+
+        It has one value on both lips.    Source: Cardew, Goldthorpe, Howard, Kfouri (1984).
+        """
+        cos, sin, r = self.X / self.r, self.Y / self.r, self.r
+        scale, kappa = 1 / (4 * pi * material.mu), material.kappa
+        along_r = (-0.5 * (kappa + 1) / r, 0 * r)
+        across = (-2 * sin * cos / r, (cos**2 - sin**2 - 0.5 * (kappa - 1)) / r)  # ∂_θ / r
+        rows = [scale * ((cos * dr - sin * dt) * self.ahead + (sin * dr + cos * dt) * self.left) for dr, dt in zip(along_r, across)]
+        return self._matrix(rows)
+
+    def Clearance(self, material=None, obstacles=()):
+        """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
+
+        material: with that of several regions also of the regions that are not of the tip's material.
+        obstacles: further pairs (distance, what).
+        """
+        point, crack = np.array(self.tip.point), self.crack
+        found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]
+        found += obstacles
+        if hasattr(material, "regions"):
+            found.append((distance_to_others(self.body.mesh, point, material), "another material"))
+        for number, other in enumerate(self.body.cracks):
+            if number != self.tip.crack:
+                found.append((float(np.hypot(*(other.PointAt(other.ArcLength(tuple(point))) - point))), f"crack {number}"))
+        path = np.array([crack.PointAt(s) for s in np.linspace(0, crack.length, 500)]) - point
+        distance = np.hypot(*path.T)
+        found.append((distance[0 if self.tip.s > 0 else -1], "the crack's other end"))
+        bent = path @ self.tip.ahead > 1e-9 * crack.length
+        if bent.any():
+            found.append((distance[bent].min(), "a part of the same crack"))
+        return min(found)
+
+
+def boundary_segments(mesh):
+    """Their two ends, (n, 2) each, without those of inner interfaces."""
+    outer = [el for el in mesh.Elements(BND) if len(mesh[el.edges[0]].elements) == 1]
+    return tuple(np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
+
+
+def distance_to_boundary(mesh, point):
+    """Of a point from ∂Ω, without inner interfaces."""
+    a, b = boundary_segments(mesh)
+    return distance_to_segments(a, b, point)
+
+
+def distance_along(mesh, point, direction):
+    """From a point inside in a direction of unit length to ∂Ω."""
+    a, b = boundary_segments(mesh)
+    side = b - a
+    across = direction[0] * side[:, 1] - direction[1] * side[:, 0]
+    across = np.where(across == 0, np.nan, across)
+    start = a - point
+    way = (start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / across
+    share = (start[:, 0] * direction[1] - start[:, 1] * direction[0]) / across
+    return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min()
+
+
+def distance_to_others(mesh, point, material):
+    """Of a point from the triangles of another material than that at the point; inf if there are none."""
+    here = material.At(mesh, point)
+    other = np.array([region != here for region in material.regions])
+    vertices, triangles = mesh_arrays(mesh)
+    corners = vertices[triangles[other[[el.index for el in mesh.Elements()]]]]
+    return distance_to_segments(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), point) if len(corners) else np.inf
+
+
+def _angular(kappa, c, s):
+    """g(θ) and g'(θ) of the two modes √r g, c = cos(θ/2), s = sin(θ/2)."""
+    first = CF((c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c)))
+    d_first = CF((s * (-0.5 * (kappa - 1) - s * s + 2 * c * c), c * (0.5 * (kappa + 1) - c * c + 2 * s * s)))
+    second = CF((s * (kappa + 1 + 2 * c * c), -c * (kappa - 1 - 2 * s * s)))
+    d_second = CF((c * (0.5 * (kappa + 1) + c * c - 2 * s * s), s * (0.5 * (kappa - 1) - s * s + 2 * c * c)))
+    return (first, d_first), (second, d_second)

@@ -1,0 +1,151 @@
+"""The symmetric form I(a,b) of two equilibrated fields at a tip, as an integral over a disk and the lips in it: section 9 of docs/method.md.
+
+With the direction e ahead, and σ = σ(u) + σ⁰ with a given stress σ⁰,
+
+    I(a,b) = -∫ ∇q·M - ∫ q (f_a·∂_e b + f_b·∂_e a + ∂_e σ⁰_a:∇b + ∂_e σ⁰_b:∇a) + ∫_{lips} q M·ν,
+    M = (σ(a):∇b + σ⁰_a:∇b + σ⁰_b:∇a) e - σ_a ∂_e b - σ_b ∂_e a,
+
+q = 1 at the tip, 0 outside of a disk, ν outward.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import CF, BitArray, CoefficientFunction, IfPos, InnerProduct, Integrate
+
+from ..pictures.split_mesh import mesh_arrays
+from ..points import crack_points
+from .tip_fields import SIDE
+
+
+@dataclass
+class GivenStress:
+    """A stress σ⁰ and its derivative ahead, 2 × 2 CoefficientFunctions."""
+
+    stress: CoefficientFunction
+    ahead: CoefficientFunction
+
+
+@dataclass
+class TipField:
+    """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions on the lips, ∫ f·field as a
+    function of a field and elements or None, and a GivenStress or None.
+
+    stress: C:ε(u), without the given part.    traction: of the whole stress, σn.
+    """
+
+    gradient: dict
+    stress: dict
+    traction: dict
+    body_force: Callable | None = None
+    given: GivenStress | None = None
+
+    def Whole(self, side):
+        """The stress on a side, the given part included."""
+        return self.stress[side] if self.given is None else self.stress[side] + self.given.stress
+
+    def GivenWork(self, other):
+        """σ⁰:∇b as a function of the side, b another field."""
+        return lambda side: CF(0.0) if self.given is None else InnerProduct(self.given.stress, other.gradient[side])
+
+
+def mode_fields(frame, material):
+    """The auxiliary fields of unit K_I and K_II: no load, and no traction on lips that are straight."""
+    gradients = {side: frame.ModeGradients(material, side) for side in (None, *SIDE)}
+    for mode in range(2):
+        yield auxiliary_field(frame, material, {side: gradients[side][mode] for side in gradients})
+
+
+def auxiliary_field(frame, material, gradient):
+    """A TipField without load."""
+    stress = {side: material.Stress(symmetric(gradient[side])) for side in gradient}
+    return TipField(gradient, stress, {side: stress[side] * frame.body.normal for side in SIDE})
+
+
+def symmetric(gradient):
+    """½(∇u + ∇uᵀ)."""
+    return 0.5 * (gradient + gradient.trans)
+
+
+class TipIntegral:
+    """I(a,b) at one tip, q = 0 for r ≥ radius."""
+
+    def __init__(self, problem, frame, radius, bonus_intorder=4):
+        self.frame, self.body, self.mesh = frame, problem.body, problem.body.mesh
+        self.q, self.grad_q = frame.Weight(radius), frame.WeightGradient(radius)
+        self.elements = elements_within(self.mesh, frame.tip.point, radius)
+        self.disk = self.body.dx(definedonelements=self.elements, bonus_intorder=bonus_intorder, space=problem.V)
+        self.points, self.weights = crack_rule(problem.W, frame.tip, radius)
+
+    def __call__(self, a, b):
+        return self._volume(a, b) + self._loads(a, b) + self._lips(a, b)
+
+    def _volume(self, a, b):
+        e = self.frame.ahead
+        energy = InnerProduct(a.stress[None], b.gradient[None]) + a.GivenWork(b)(None) + b.GivenWork(a)(None)
+        M = energy * e - a.Whole(None) * (b.gradient[None] * e) - b.Whole(None) * (a.gradient[None] * e)
+        return -Integrate(InnerProduct(M, self.grad_q).Compile() * self.disk, self.mesh)
+
+    def _loads(self, a, b):
+        return -sum(self._load(one, other) for one, other in ((a, b), (b, a)))
+
+    def _load(self, one, other):
+        """∫ q (f·∂_e + ∂_e σ⁰:∇) of the other field, f and σ⁰ of the one."""
+        moved = lambda: (self.q * (other.gradient[None] * self.frame.ahead)).Compile()
+        work = one.body_force(moved(), self.elements) if one.body_force is not None else 0.0
+        if one.given is not None:
+            work += Integrate((self.q * InnerProduct(one.given.ahead, other.gradient[None])).Compile() * self.disk, self.mesh)
+        return work
+
+    def _lips(self, a, b):
+        """ν = -n on the plus lip, n on the minus lip."""
+        e, n, flow = self.frame.ahead, self.body.normal, 0
+        for side, sign in SIDE.items():
+            energy = InnerProduct(a.stress[side], b.gradient[side]) + a.GivenWork(b)(side) + b.GivenWork(a)(side)
+            along_n = energy * InnerProduct(e, n)
+            along_n -= InnerProduct(a.traction[side], b.gradient[side] * e) + InnerProduct(b.traction[side], a.gradient[side] * e)
+            flow -= sign * along_n
+        return self._along(flow)
+
+    def OfTraction(self, traction, b):
+        """What a traction on the lips of a can do to I(a,b): ∫ q |traction·∂_e jump(b)|."""
+        density = InnerProduct((b.gradient["plus"] - b.gradient["minus"]) * self.frame.ahead, traction)
+        return self._along(IfPos(density, density, -density))
+
+    def _along(self, f):
+        """∫ q f over the crack."""
+        return float(self.weights @ (self.q * f).Compile()(self.points).ravel())
+
+
+def crack_rule(W, tip, radius, n=10):
+    """Mesh points and weights on the crack of a tip inside a disk, for integrands like 1/√s at the tip; divided at W's nodes."""
+    body, crack = W.body, W.body.cracks[tip.crack]
+    nodes = {abs(tip.s - s) for s in (*W.basis.nodes[tip.crack], *body.MeshNodes(tip.crack, True))}
+    reach = _reach(crack, tip, radius)
+    cuts = np.sqrt([*sorted(s for s in nodes if s < reach), reach])
+    x, w = np.polynomial.legendre.leggauss(n)
+    half = 0.5 * np.diff(cuts)[:, None]
+    root = cuts[:-1, None] + half * (1 + x)  # ds = 2 √s d√s
+    s = np.abs(tip.s - (root**2).ravel())
+    return crack_points(body, tip.crack, np.clip(s, 0, crack.length)), (2 * root * half * w).ravel()
+
+
+def _reach(crack, tip, radius, n=2000):
+    """The arc length from the tip after which the crack stays outside of the disk."""
+    s = np.linspace(0, crack.length, n)
+    distance = np.hypot(*(np.array([crack.PointAt(abs(tip.s - si)) for si in s]) - tip.point).T)
+    return s[min(np.flatnonzero(distance < radius)[-1] + 1, n - 1)]
+
+
+def elements_within(mesh, point, radius):
+    """BitArray of the triangles that may meet a disk."""
+    vertices, triangles = mesh_arrays(mesh)
+    corners = vertices[triangles]
+    size = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    near = np.linalg.norm(corners - np.asarray(point), axis=2).min(axis=1) < radius + size
+    elements = BitArray(len(corners))
+    elements.Clear()
+    for i in np.flatnonzero(near):
+        elements.Set(int(i))
+    return elements

@@ -1,0 +1,1 @@
+"""What acts on a body and what holds it: loads, tractions on faces, given stresses, supports and their reactions."""

@@ -1,0 +1,98 @@
+"""What acts on the faces of the cracks: given tractions, joints that are elastic, and the tractions that λ is compared with.
+
+A face carries the contact traction and its own: with t⁺, t⁻ on the two faces, in the direction in which they act on the body,
+and a given stress σ⁰,
+
+    λ = n·(σ(u⁺) + σ⁰)n + n·t⁺ = n·(σ(u⁻) + σ⁰)n - n·t⁻,
+
+the same with the tangent for λ_t. So R_h of (12) of [AHLMR12] is affine, R_h(u) + r_0: section 5 of docs/method.md.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ngsolve import CF, CoefficientFunction, IfPos, InnerProduct, sqrt
+
+from .. import _ngsxfem_contact as core
+from ..material import Isotropic
+from ..spaces.incompressible import stress
+from .terms import replaced, restriction, tested, unit_limits
+
+
+@dataclass(frozen=True)
+class FaceTractions:
+    """t⁺ and t⁻, CoefficientFunctions with two components on the cracks: forces on the plus and on the minus face for each unit of length."""
+
+    plus: CoefficientFunction = CF((0.0, 0.0))
+    minus: CoefficientFunction = CF((0.0, 0.0))
+
+    def __add__(self, other):
+        return FaceTractions(self.plus + other.plus, self.minus + other.minus)
+
+    def __rmul__(self, factor):
+        return FaceTractions(factor * self.plus, factor * self.minus)
+
+    def Shift(self, component, side, body):
+        """What σn on a side ("plus", "minus", "larger") lacks to be the contact traction: t⁺ or -t⁻, one component of it."""
+        direction = component.direction(body)
+        along = {"plus": InnerProduct(self.plus, direction), "minus": -InnerProduct(self.minus, direction)}
+        return along[side] if side in along else IfPos(body.larger_side, along["plus"], along["minus"])
+
+
+class Joint:
+    """Terms ∫ v^s·M_{st} u^t over the cracks, s, t ∈ {⁺, ⁻}: they act on the faces with t^s = -Σ_t M_{st} u^t.
+
+    terms: core.FormTerms in Plus, Minus or Jump of trial and test functions.
+    """
+
+    def __init__(self, terms):
+        self.terms = terms
+
+    def Tractions(self, u):
+        """The FaceTractions of u: trial function, test function, GridFunction or `Limits`."""
+        return sum((self._of_term(term, u) for term in self.terms), FaceTractions())
+
+    @staticmethod
+    def _of_term(term, u):
+        here, trial = restriction(term), replaced(term.trial, u.Operator)
+        sides = (CF(tuple(tested(term, v.Operator).Replace(trial)[0].coef for v in pair)) for pair in unit_limits())
+        return FaceTractions(*(-here * side for side in sides))
+
+    def Stiffness(self):
+        """A bound of the largest eigenvalue of M, a CoefficientFunction in stress / length."""
+        tractions = [self.Tractions(u) for pair in unit_limits() for u in pair]
+        return sqrt(sum(InnerProduct(side, side) for t in tractions for side in (t.plus, t.minus)))
+
+
+@dataclass(frozen=True)
+class ComparedTraction:
+    """R_h: the linear part of what the multipliers are compared with.
+
+    material: Elasticity.    joint: Joint, or None.    sides: weights by side, {"larger": 1} for R_h of (12).
+    """
+
+    body: core.CrackedMesh
+    material: Isotropic
+    sides: Mapping
+    joint: Joint | None = None
+
+    def Of(self, u, component, side):
+        """One component of σ(u)n on a side, and what the joint adds."""
+        traction = component.traction(stress(self.material, u, side), self.body)
+        return traction if self.joint is None else traction + self.joint.Tractions(u).Shift(component, side, self.body)
+
+    def Summed(self, u, component):
+        """Σ w R_h(u) over the sides: the factor of γμ in C_γ."""
+        return sum(w * self.Of(u, component, side) for side, w in self.sides.items())
+
+    def Squared(self, u, v, components):
+        """Σ w R_h(u) R_h(v) over sides and components: the integrand of K_γ without γ."""
+        return sum(w * self.Of(u, component, side) * self.Of(v, component, side) for side, w in self.sides.items() for component in components)
+
+    def WithGiven(self, v, components, shift):
+        """Σ w r_0 R_h(v): what given loads add to F, without γ; shift(component, side) is r_0."""
+        return sum(w * shift(component, side) * self.Of(v, component, side) for side, w in self.sides.items() for component in components)
+
+    def Given(self, component, shift):
+        """Σ w r_0 of one component: what given loads add to G, without γ."""
+        return sum(w * shift(component, side) for side, w in self.sides.items())

@@ -1,0 +1,258 @@
+"""The forms that a user adds to, and what a solution was solved for: loads on the body, on its faces, given stresses."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from ngsolve import BND, Integrate, LinearForm, fem
+
+from .. import _ngsxfem_contact as core
+from ..points import distance_to_segments
+from .face_traction import FaceTractions, Joint
+from .terms import (
+    check_linear,
+    check_symmetric,
+    checked_terms,
+    coefficient_of_gradient,
+    coefficient_of_limits,
+    elements_of,
+    place_of,
+    replaced,
+    sample_points,
+    tested,
+)
+
+NAME_F, NAME_A = "problem.f", "problem.a"
+SIDES = ("minus", "larger", "plus")
+
+
+class LoadForm(LinearForm):
+    """L(v) = ∫f·v + ∫g·v + ...: an NGSolve LinearForm that knows what was added to it.
+
+    V: CrackFESpace.    form += force*v*body.dx, v a test function of V; also v[1](x, y), a point load.
+    Terms over body.dcrack in Plus(v), Minus(v), Jump(v) are tractions of the faces; terms in Grad(v) are given stresses, -∫σ⁰:∇v.
+    Raises TypeError and ValueError for what has no meaning here, see `terms.checked_terms`, and for trial functions.
+    """
+
+    def __init__(self, V):
+        super().__init__(V)
+        self.V, self.given = V, []
+
+    def __iadd__(self, form):
+        given = [PointLoad(form)] if isinstance(form, fem.PointEvaluationFunctional) else self._checked(form)
+        super().__iadd__(form)
+        self.given += given
+        return self
+
+    def _checked(self, form):
+        terms = checked_terms(form, self.V, NAME_F)
+        if any(term.trial for term in terms):
+            raise ValueError(f"{NAME_F}: a linear form holds no trial function; springs and elastic joints are added to {NAME_A}")
+        for term in terms:
+            check_linear(term, NAME_F)
+        return [GivenTerm(term) for term in terms]
+
+
+def load_form(form, V):
+    """A LoadForm on V: the form itself, or a new one for an empty LinearForm of NGSolve.    Raises TypeError for others, whose terms are not known."""
+    if isinstance(form, LoadForm) and form.V is V:
+        return form
+    if isinstance(form, LinearForm) and form.space is V and not form.integrators:
+        return LoadForm(V)
+    raise TypeError(f"{NAME_F} cannot be replaced by {form!r}; add terms to it, {NAME_F} += ..., or begin anew by {NAME_F} = LinearForm(problem.V)")
+
+
+class PointLoad:
+    """A force in a point, v[1](x, y)."""
+
+    tractions = stress = None
+
+    def __init__(self, functional):
+        self.form, self.point = functional, core.PointOf(functional)
+
+    def BodyForce(self, field, elements):
+        """0: domains of integration keep clear of the point."""
+        return 0.0
+
+    def Obstacle(self, point):
+        """(distance, what) that a domain of integration around a point has to keep clear of."""
+        return float(np.hypot(*np.subtract(self.point, point))), "a point load"
+
+
+class GivenTerm:
+    """One integral of a load. tractions: what it does on the faces, or None.    stress: the given stress σ⁰ that it is, or None."""
+
+    def __init__(self, term):
+        self.term, self.form, self.place = term, term.form, place_of(term)
+
+    @cached_property
+    def tractions(self):
+        """FaceTractions of a term over the cracks."""
+        return FaceTractions(*coefficient_of_limits(self.term)) if self.place == "crack" else None
+
+    @cached_property
+    def stress(self):
+        """σ⁰ of a term -∫σ⁰:∇v."""
+        S = coefficient_of_gradient(self.term) if self.place == "bulk" else None
+        return None if S is None else -1 * S
+
+    def BodyForce(self, field, elements):
+        """∫ f·field over some elements (BitArray), f the body force."""
+        if self.place != "bulk":
+            return 0.0
+        return Integrate(core.InnerIntegrals(tested(self.term, {"Id": field}.get), elements), self.term.body.mesh)
+
+    def Obstacle(self, point):
+        """(distance, what) that a domain of integration around a point has to keep clear of: a loaded inner interface."""
+        if self.place != "boundary":
+            return float("inf"), ""
+        a, b = self._inner_interface
+        return distance_to_segments(a, b, np.asarray(point)), "a loaded inner interface"
+
+    @cached_property
+    def _inner_interface(self):
+        return inner_interface(self.term)
+
+
+@dataclass(frozen=True)
+class AppliedLoad:
+    """Σ factor · given: what a solution was solved for, whatever is added to the problem's forms later."""
+
+    parts: tuple = ()
+
+    @staticmethod
+    def Of(form):
+        """What a LoadForm holds now."""
+        return AppliedLoad(tuple((1.0, given) for given in form.given))
+
+    def __add__(self, other):
+        return AppliedLoad(self.parts + other.parts)
+
+    def __rmul__(self, factor):
+        return AppliedLoad(tuple((factor * f, given) for f, given in self.parts))
+
+    @cached_property
+    def tractions(self):
+        """The FaceTractions that are given on the cracks."""
+        return sum((factor * given.tractions for factor, given in self.parts if given.tractions), FaceTractions())
+
+    @cached_property
+    def stress(self):
+        """The given stress σ⁰, a 2 × 2 CoefficientFunction, or None."""
+        stresses = [factor * given.stress for factor, given in self.parts if given.stress is not None]
+        return sum(stresses[1:], stresses[0]) if stresses else None
+
+    @property
+    def acts_on_faces(self):
+        """Whether tractions of the faces or a stress are given: else r_0 = 0."""
+        return self.stress is not None or any(given.tractions for _, given in self.parts)
+
+    def Shift(self, component, side, body):
+        """r_0 of a side: the given part of what the multiplier is compared with."""
+        shift = self.tractions.Shift(component, side, body)
+        return shift if self.stress is None else shift + component.traction(body.LimitOnCrack(self.stress, SIDES.index(side) - 1), body)
+
+    def BodyForce(self, field, elements):
+        """∫ f·field, f the body force, over some elements (BitArray) in which the field is not zero."""
+        return sum(factor * given.BodyForce(field, elements) for factor, given in self.parts if factor)
+
+    def Vector(self, V):
+        """F of what was applied, with the values that its coefficients have now."""
+        total = np.zeros(V.ndof)
+        for factor, given in self.parts:
+            form = LinearForm(V)
+            form += given.form
+            total += factor * form.Assemble().vec.FV().NumPy()
+        return total
+
+    def Obstacles(self, point):
+        """What a domain of integration around a point must not meet: pairs (distance, what)."""
+        return [given.Obstacle(point) for factor, given in self.parts if factor]
+
+
+def check_unchanged(applied, F, V, when):
+    """Raises ValueError if the coefficients of an AppliedLoad do not give F any more."""
+    now = applied.Vector(V)
+    if not np.allclose(now, F, rtol=1e-9, atol=1e-9 * np.abs(F).max(initial=0)):
+        raise ValueError(
+            f"a coefficient of the load, such as a Parameter, has changed since {when}, and what is asked needs its value then: set it back, or make it anew"
+        )
+
+
+def check_symmetric_stress(form):
+    """Raises ValueError for an initial stress, as a LoadForm, whose matrix is not symmetric."""
+    for given in form.given:
+        xx, xy, yx, yy = (np.ravel(given.stress[i, j](sample_points(given.term))) for i in (0, 1) for j in (0, 1))
+        if not np.allclose(xy, yx, atol=1e-10 * np.abs([xx, xy, yx, yy]).max(initial=0), equal_nan=True):
+            raise ValueError("ContactProblem: initial_stress is not symmetric; give CF((xx, xy, xy, yy), dims=(2, 2))")
+
+
+def inner_interface(term):
+    """The ends a, b (n, 2) of the boundary elements of a term over the boundary that lie inside of the body."""
+    mesh, chosen = term.body.mesh, elements_of(term)
+    inner = [el for el in mesh.Elements(BND) if chosen[el.nr] and len(mesh[el.edges[0]].elements) > 1]
+    return tuple(np.array([mesh[el.vertices[i]].point for el in inner]).reshape(-1, 2) for i in range(2))
+
+
+class StiffnessForm:
+    """Bilinear terms beside ∫σ(u):ε(v): springs on ∂Ω, a foundation in the body, elastic joints on the cracks.
+
+    V: CrackFESpace.    form += k*u*v*body.ds("bottom") or k*Jump(u)*Jump(v)*body.dcrack, u, v of V.TnT().
+    Raises as LoadForm, and ValueError for terms that are not symmetric and for terms in gradients.
+    """
+
+    def __init__(self, V):
+        self.V, self.terms = V, []
+
+    def __iadd__(self, form):
+        terms = checked_terms(form, self.V, NAME_A)
+        for term in terms:
+            check_bilinear(term)
+        self.terms += terms
+        return self
+
+    def AddTo(self, form):
+        """Adds the terms to an NGSolve BilinearForm."""
+        for term in self.terms:
+            form += term.form
+
+    def Forces(self, u):
+        """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body."""
+        operator = lambda name: u if name == "Id" else u.Operator(name)
+        form = LinearForm(self.V)
+        for term in self.terms:
+            form += term.form.Replace(replaced(term.trial, operator))
+        return form.Assemble().vec.FV().NumPy().copy() if self.terms else np.zeros(self.V.ndof)
+
+    def Copy(self):
+        """The terms that there are now."""
+        copy = StiffnessForm(self.V)
+        copy.terms = list(self.terms)
+        return copy
+
+    def BodyForce(self, u, field, elements):
+        """∫ f·field over some elements (BitArray), f what foundations in the body exert for a GridFunction u."""
+        of = lambda term: replaced(term.trial, {"Id": u}.get) | replaced(term.test, {"Id": field}.get)
+        bulk = [term.form.Replace(of(term)) for term in self.terms if place_of(term) == "bulk"]
+        return -sum(Integrate(core.InnerIntegrals(form, elements), self.V.mesh) for form in bulk)
+
+    def Obstacles(self, point):
+        """What a domain of integration around a point must not meet: inner interfaces on springs."""
+        ends = [inner_interface(term) for term in self.terms if place_of(term) == "boundary"]
+        return [(distance_to_segments(a, b, np.asarray(point)), "an inner interface on springs") for a, b in ends]
+
+    @property
+    def joint(self):
+        """The Joint of the terms over the cracks, or None."""
+        terms = [term for term in self.terms if place_of(term) == "crack"]
+        return Joint(terms) if terms else None
+
+
+def check_bilinear(term):
+    """Raises ValueError for a term without trial or test function, with gradients, that is not linear in either, or not symmetric."""
+    if not term.trial or not term.test:
+        raise ValueError(f"{NAME_A}: a term needs a trial and a test function, u and v of V.TnT(); loads are added to {NAME_F}")
+    if any(core.OperatorName(proxy) == "grad" for proxy in (*term.trial, *term.test)):
+        raise ValueError(f"{NAME_A}: terms in gradients belong to the material; here are springs and joints, terms in u, v and their limits on cracks")
+    check_linear(term, NAME_A)
+    check_symmetric(term, NAME_A)

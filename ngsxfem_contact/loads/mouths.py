@@ -1,0 +1,51 @@
+"""The weight of the L² projection of given displacements where a crack cuts a boundary edge."""
+
+import numpy as np
+from ngsolve import BND, BilinearForm, CoefficientFunction, GridFunction, IfPos, SurfaceL2, x, y
+
+from ..algebra.matrices import to_scipy
+
+PROJECTION_BONUS = 4  # of the rules' order, one for both sides of the projection: on curved edges no order is exact
+SHORT = 1e-4  # of an edge: on a shorter part only the functions of the vertex in it are given
+
+
+def mouth_weight(body, power=3):
+    """(ℓ/ℓ_s)³ on the shorter part, of length ℓ_s, of an edge of length 2ℓ that a crack cuts, 1 elsewhere; at most (ℓ/SHORT)³.
+
+    On a short part the functions that live there alone would make up for the error that their neighbours have at its end,
+    with slopes as large as that error over ℓ_s: the given displacement at the nodes beside the mouth would be wrong.
+    """
+    mesh = body.mesh
+    edges = mesh.ngmesh.Coordinates()[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)], :2]
+    weight = CoefficientFunction(1)
+    for number, end in mouths(body, edges):
+        a, b = sorted(edges[number], key=lambda corner: np.hypot(*(corner - end)))  # of a curved edge the corners
+        short, length = np.hypot(*(a - end)), np.hypot(*(b - a))
+        extra = GridFunction(SurfaceL2(mesh, order=0))
+        extra.vec[number] = (0.5 / max(short / length, SHORT if power == 3 else 0)) ** power - 1
+        weight = weight * (1 + IfPos(short**2 - (x - a[0]) ** 2 - (y - a[1]) ** 2, extra, 0))
+    return weight
+
+
+def boundary_mass(V, region, weight):
+    """∫ weight u·v over a boundary region, scipy CSR."""
+    u, v = V.TnT()
+    return to_scipy(BilinearForm(weight * u * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS)).Assemble().mat)
+
+
+def short_traces(V, region):
+    """Unknowns whose function has a trace on the region, but on a short part of an edge and smaller than SHORT there.
+
+    They cannot be read off their traces; left free they change a given displacement by SHORT² of an edge times the jump.
+    """
+    size = boundary_mass(V, region, mouth_weight(V.body, power=1)).diagonal()
+    return np.flatnonzero((size > 0) & (size < SHORT**2 * size.max()))
+
+
+def mouths(body, edges):
+    """(number, point) of the boundary edges (n, 2, 2) that a crack cuts at one of its ends: those that the space takes for cut."""
+    for i, crack in enumerate(body.cracks):
+        for number, point in body.CutBoundaryPoints(i):
+            a, b = edges[number]
+            if min(np.hypot(*np.subtract(point, end)) for end in (crack.points[0], crack.points[-1])) < 1e-9 * np.hypot(*(b - a)):
+                yield number, np.asarray(point)

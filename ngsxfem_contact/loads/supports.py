@@ -1,0 +1,280 @@
+"""What holds a body: displacements given on parts of its boundary, and pinned vertices."""
+
+from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
+from ngsolve import BND, VERTEX, BitArray, CoefficientFunction, ElementId, GridFunction, LinearForm, NodeId, Parameter
+from scipy.sparse.linalg import splu
+
+from ..arguments import check_function, check_regions, check_type
+from ..points import crack_points
+from .boundary_samples import BoundarySamples
+from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
+from .reactions import Holder, corner_edge
+
+COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
+TOLERANCE = 1e-5  # of the largest given displacement: what differs by less at one point is the same
+
+
+@dataclass
+class HeldSide:
+    """One component of u on one boundary region.
+
+    dofs, values: unknowns that are fixed, and their values.    samples: the given function at the rows of BoundarySamples.
+    explicit: given by SetDirichlet; else it is zero because the space declares it.
+    """
+
+    dofs: np.ndarray
+    values: np.ndarray
+    samples: np.ndarray
+    explicit: bool
+
+
+class Supports:
+    """What holds a body, and where: the data behind ContactProblem.Pin and SetDirichlet.
+
+    given: GridFunction, the displacement where it is fixed.    free: BitArray of the unknowns that are not.
+    sides: (region, component) → HeldSide.    pins: unknown → (vertex, component, value).
+    """
+
+    def __init__(self, V):
+        self.V, self.given, self.free = V, GridFunction(V), BitArray(V.FreeDofs())
+        self.samples = BoundarySamples(V.body)
+        self._declared = {
+            (region, k): HeldSide(dofs[k], np.zeros(len(dofs[k])), self.samples.Zero(region), explicit=False)
+            for region, dofs in enumerate(boundary_dofs(V))
+            for k in range(2)
+            if V.HeldRegions(k)[region]
+        }
+        self.sides, self.pins = dict(self._declared), {}
+
+    @property
+    def pinned(self):
+        """The unknowns that pins fix, in their order."""
+        return list(self.pins)
+
+    def Pin(self, point, components, value=0):
+        """See ContactProblem.Pin."""
+        if components not in COMPONENTS:
+            raise ValueError(f"Pin: components={components!r} is not one of {sorted(COMPONENTS)}")
+        vertex = self._vertex_at(point)
+        dofs = self.V.GetDofNrs(NodeId(VERTEX, vertex))
+        if len(dofs) > 2:
+            raise ValueError(f"Pin: u may jump at the vertex {tuple(point)}, beside the crack; pin a vertex away from it")
+        check_outside_of_disks(self.V, self.V.mesh[NodeId(VERTEX, vertex)].point)
+        pins = {dofs[k]: (vertex, k, float(number)) for k, number in zip(COMPONENTS[components], pin_values(value, components))}
+        for dof, pin in pins.items():
+            if dof in self.pins and self.pins[dof][2] != pin[2]:
+                raise ValueError(f"Pin: u_{'xy'[pin[1]]} is given twice at {place(self.V, vertex)}: {self.pins[dof][2]:g}, and now {pin[2]:g}; pin it once")
+        self._check_pins(pins, self._explicit())
+        self.pins |= pins
+        self._apply()
+
+    def _vertex_at(self, point):
+        if np.shape(point) != (2,) or not all(isinstance(coordinate, Real) for coordinate in point):
+            raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
+        vertices = self.V.mesh.ngmesh.Coordinates()[: self.V.mesh.nv, :2]
+        distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
+        nearest = int(np.argmin(distance))
+        if not distance[nearest] <= 1e-8 * np.ptp(vertices, axis=0).max():
+            raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {tuple(vertices[nearest].tolist())}")
+        return nearest
+
+    def SetDirichlet(self, value, region):
+        """See ContactProblem.SetDirichlet."""
+        check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
+        check_regions(self.V.mesh, region, "SetDirichlet: region")
+        value, components = given_components(value)
+        regions = np.flatnonzero(list(self.V.mesh.Boundaries(region).Mask())).tolist()
+        self._check_declared(region, regions, components)
+        values, short = projected_trace(self.V, value, region)
+        sides = {}
+        for number in regions:
+            samples = self.samples.Values(value, number)
+            for k in components:
+                declared = self._declared[number, k].dofs
+                dofs = np.setdiff1d(declared, short) if np.nanmax(np.abs(samples[:, k]), initial=0) > 0 else declared  # zero is what the space holds
+                sides[number, k] = HeldSide(dofs, values[dofs], samples[:, k], explicit=True)
+        self._check_pins(self.pins, sides)
+        kept = {key: side for key, side in self.sides.items() if key[0] not in regions}
+        self.sides = kept | sides  # where regions meet the last one counts
+        self._apply()
+
+    def _check_declared(self, region, regions, components):
+        for k in components:
+            if any((number, k) not in self._declared for number in regions):
+                raise ValueError(
+                    f"SetDirichlet: u_{'xy'[k]} on {region!r} is not part of CrackFESpace(..., dirichlet=...) or of dirichlet{'xy'[k]}=; "
+                    "declare it there, or give None for this component to leave it free"
+                )
+
+    def _apply(self):
+        """free and given, of what is held now."""
+        given = self.given.vec.FV().NumPy()
+        given[:] = 0
+        self.free.Set()
+        for side in self.sides.values():
+            given[side.dofs] = side.values
+            for dof in side.dofs:
+                self.free.Clear(int(dof))
+        for dof, (_, _, value) in self.pins.items():
+            given[dof] = value
+            self.free.Clear(dof)
+
+    def _explicit(self):
+        return {key: side for key, side in self.sides.items() if side.explicit}
+
+    def Check(self):
+        """Raises ValueError where two of the given displacements contradict each other."""
+        self._check_pins(self.pins, self.sides)
+        for rows in self.samples.Corners():
+            for k in range(2):
+                here = [(row, self.sides[self.samples.region[row], k]) for row in rows if (self.samples.region[row], k) in self.sides]
+                for (row, side), (other_row, other) in zip(here, here[1:]):
+                    self._check_corner(k, (row, other_row), (side, other))
+
+    def _check_corner(self, k, rows, sides):
+        names = [self.V.mesh.GetBoundaries()[self.samples.region[row]] for row in rows]
+        values = [side.samples[row] for row, side in zip(rows, sides)]
+        if names[0] != names[1] and differ(*values, *(largest(side) for side in sides)):
+            origin = [
+                f"{value:g} on {name!r}{'' if side.explicit else ' (zero where SetDirichlet gives nothing)'}" for value, name, side in zip(values, names, sides)
+            ]
+            raise ValueError(
+                f"the given displacements contradict each other at {place(self.V, self.samples.vertex[rows[0]])}: u_{'xy'[k]} = {' and '.join(origin)}; "
+                "give both the same value there, or leave this component free on one of them"
+            )
+
+    def _check_pins(self, pins, sides):
+        for vertex, k, value in pins.values():
+            at = self.samples.vertex == vertex
+            for (region, component), side in sides.items():
+                there = side.samples[at & (self.samples.region == region)]
+                if component == k and len(there) and differ(there[0], value, largest(side)):
+                    raise ValueError(
+                        f"Pin and SetDirichlet: u_{'xy'[k]} at {place(self.V, vertex)} is pinned to {value:g} and given as {there[0]:g} on "
+                        f"{self.V.mesh.GetBoundaries()[region]!r}; give both the same value"
+                    )
+
+    def Holders(self):
+        """What holds which functions φ_i, one Holder for each name of a boundary that holds and for each vertex that only a pin does."""
+        n = self.V.scalar_space.ndof
+        dofs = {key: side.dofs[side.dofs < 2 * n] for key, side in self.sides.items()}
+        weights = {(region, k): self.samples.Lengths(region, dofs[region, k] - k * n) for region, k in dofs}
+        total = np.zeros(2 * n)
+        for key in dofs:
+            total[dofs[key]] += weights[key]
+        holders: dict[str, Holder] = {}
+        for key in sorted(dofs):
+            name = self.V.mesh.GetBoundaries()[key[0]]
+            holders[name] = holders.get(name, Holder(name)) + Holder(name, dofs[key], weights[key] / total[dofs[key]])
+        for dof, (vertex, _, _) in self.pins.items():
+            if total[dof] == 0:
+                name = f"pin at {place(self.V, vertex)}"
+                point = self.V.mesh[NodeId(VERTEX, vertex)].point
+                holders[name] = holders.get(name, Holder(name, point=point)) + Holder(name, np.array([dof]), np.ones(1))
+        return list(holders.values())
+
+    def CornerEdges(self):
+        """The edges of boundaries beside the vertices at which they meet, as CornerEdges."""
+        mesh, samples = self.V.mesh, self.samples
+        rows = np.concatenate([np.zeros(0, dtype=int), *samples.Corners()])
+        edges = [corner_edge(mesh, mesh.GetBoundaries()[samples.region[row]], samples.element[row], samples.vertex[row]) for row in rows]
+        return [edge for edge in edges if edge is not None]
+
+    def NormalJumps(self):
+        """The normal jump that is given at each mouth, see BoundarySamples."""
+        return self.samples.NormalJumps(self.sides)
+
+    def CheckOverlap(self, jumps, gap, scale):
+        """Raises ValueError where given normal jumps push the faces of a mouth through each other.
+
+        jumps: as NormalJumps, or multiples.    gap: g_0, a CoefficientFunction.    scale: the largest given displacement.
+        """
+        body = self.V.body
+        for (crack, s), jump in zip(self.samples.mouths, jumps):
+            if jump < 0 and jump + gap(crack_points(body, crack, [s])).item() < -TOLERANCE * scale:
+                raise ValueError(
+                    "the given displacements push the faces of crack {} through each other by {:g} at its mouth ({:g}, {:g}), ".format(
+                        crack, -jump, *body.cracks[crack].PointAt(s)
+                    )
+                    + "which no displacement fulfils: give a jump that is not negative there, an initial gap, or leave this part of the boundary free"
+                )
+
+
+def largest(side):
+    """The largest size of what is given on a HeldSide."""
+    return np.nanmax(np.abs(side.samples), initial=0)
+
+
+def differ(a, b, *sizes):
+    """Whether two given displacements are not the same, relative to the largest of them and of some sizes."""
+    return abs(a - b) > TOLERANCE * max(abs(a), abs(b), *sizes)
+
+
+def boundary_dofs(V):
+    """For each boundary region the unknowns of either component with a trace on it: [(x, y), ...]."""
+    found = [(set(), set()) for _ in V.mesh.GetBoundaries()]
+    for element in V.mesh.Elements(BND):
+        dofs = V.GetDofNrs(ElementId(BND, element.nr))
+        half = len(dofs) // 2
+        for k in range(2):
+            found[element.index][k].update(dof for dof in dofs[k * half : (k + 1) * half] if dof >= 0)
+    return [tuple(np.array(sorted(dofs), dtype=int) for dofs in region) for region in found]
+
+
+def given_components(value):
+    """(CoefficientFunction with zero for None, the components that are given) of the value of SetDirichlet."""
+    components = [0, 1]
+    if isinstance(value, (tuple, list)):
+        components = [k for k, part in enumerate(value) if part is not None]
+        if not components:
+            raise ValueError(f"SetDirichlet: value={value!r} gives no component; declare what is free by leaving it out of dirichlet=")
+        value = tuple(0 if part is None else check_function(part, f"SetDirichlet: value[{k}]", 1) for k, part in enumerate(value))
+    return check_function(value, "SetDirichlet: value", 2), components
+
+
+def projected_trace(V, value, region):
+    """(values, short): the weighted L² projection of a value's trace, for all unknowns, zero at those of short traces, which it leaves out."""
+    weight, short = mouth_weight(V.body), short_traces(V, region)
+    mass = boundary_mass(V, region, weight)
+    zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
+    v = V.TestFunction()
+    load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS)).Assemble().vec.FV().NumPy()
+    if not np.isfinite(load).all():
+        raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
+    diagonal = mass.diagonal()
+    dofs = np.setdiff1d(np.flatnonzero(diagonal), short)
+    scale = 1 / np.sqrt(diagonal[dofs])
+    scaled = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc()
+    values = np.zeros(V.ndof)
+    values[dofs] = scale * splu(scaled).solve(scale * load[dofs])
+    return values, short
+
+
+def pin_values(value, components):
+    """One finite number for each component of a Pin."""
+    try:
+        values = np.broadcast_to(np.asarray(value, dtype=float), len(components))
+    except (TypeError, ValueError):
+        raise ValueError(f"Pin: value={value!r} is not a number{', nor two, one for each component' * (len(components) == 2)}") from None
+    if not np.isfinite(values).all():
+        raise ValueError(f"Pin: value={value} is not finite; give the displacement in the unit of length")
+    return values
+
+
+def check_outside_of_disks(V, point):
+    """Raises ValueError for a point at which a tip's functions do not vanish: a vertex's unknowns do not fix u there."""
+    for tip, spec in zip(V.body.tips, V.tip_specs):
+        r = np.hypot(*np.subtract(point, tip.point))
+        if spec is not None and r < spec.r1:
+            raise ValueError(
+                f"Pin: the vertex {tuple(point)} is in the disk r < r1 = {spec.r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}), whose functions move it; "
+                f"pin a vertex outside, or choose TipEnrichment(r1=...) below {r:g}, or tip=None there"
+            )
+
+
+def place(V, vertex):
+    """A vertex in words."""
+    return "({:g}, {:g})".format(*V.mesh[NodeId(VERTEX, int(vertex))].point)

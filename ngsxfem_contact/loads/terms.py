@@ -1,0 +1,232 @@
+"""The terms of the forms that a user adds to a problem: what is refused by name, and what their coefficients are."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
+
+from .. import _ngsxfem_contact as core
+from ..algebra.matrices import mask
+from ..points import crack_points
+
+LIMITS = ("plus", "minus", "jump")
+ALLOWED = {"bulk": ("Id", "grad"), "boundary": ("Id",), "crack": LIMITS}
+HINTS = {
+    "bulk": "inside of the body write v or Grad(v); Jump, Plus and Minus go with body.dcrack",
+    "boundary": "on the boundary write v",
+    "crack": "there a function has two limits: write Plus(v), Minus(v) or Jump(v), or use problem.FacePressure or problem.FaceTraction",
+}
+
+
+def place_of(term):
+    """Where a term is integrated: "bulk", "boundary" or "crack"."""
+    return "boundary" if term.on_boundary else "crack" if term.domain == core.Domain.Crack else "bulk"
+
+
+def checked_terms(form, V, name):
+    """The core.FormTerms of a form on V.
+
+    Raises TypeError for what is no sum of integrals, ValueError for a measure of NGSolve or of another body, functions of another space,
+    NGSolve's normal vector where it is zero, and operators that have no meaning on the measure.
+    """
+    if not isinstance(form, (comp.SumOfIntegrals, comp.Integral)):
+        raise TypeError(f"{name}: {form!r} is no symbolic form such as force*v*body.dx, v a test function of the problem's V")
+    terms = core.TermsOf(form)
+    for term in terms:
+        check_term(term, V, name)
+    return terms
+
+
+def check_term(term, V, name):
+    """Raises as checked_terms."""
+    if term.body is None:
+        measure = "ds" if term.on_boundary else "dx"
+        raise ValueError(f"{name}: the rules of NGSolve's own {measure} do not see the cracks; write body.{measure}, body the problem's CrackedMesh")
+    if term.body is not V.body:
+        raise ValueError(f"{name}: the measure belongs to another CrackedMesh than the problem's V")
+    place = place_of(term)
+    if term.element_normal and place != "boundary":
+        raise ValueError(f"{name}: NGSolve's normal vector is zero away from the boundary; on a crack write body.normal")
+    for proxy in (*term.test, *term.trial):
+        check_function_of_form(proxy, V, place, name)
+
+
+def check_function_of_form(proxy, V, place, name):
+    """Raises ValueError for a trial or test function of another space, or with an operator that does not go with its place."""
+    if proxy.space is not V:
+        raise ValueError(f"{name}: a function belongs to another space than the problem's V; take v = problem.V.TestFunction()")
+    operator = core.OperatorName(proxy)
+    if operator not in ALLOWED[place]:
+        raise ValueError(f"{name}: the operator {operator!r} has no meaning on the {place}; {HINTS[place]}")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """A function on the cracks with given limits: what the operators Plus, Minus and Jump need of it."""
+
+    plus: CoefficientFunction
+    minus: CoefficientFunction
+
+    def Operator(self, name):
+        """The limit "plus" or "minus", or the "jump"."""
+        return {"plus": self.plus, "minus": self.minus, "jump": self.plus - self.minus}[name]
+
+
+def unit_vectors():
+    """(1, 0) and (0, 1)."""
+    return [CF(tuple(row)) for row in np.eye(2).tolist()]
+
+
+def unit_limits():
+    """Limits that are unit vectors on one face and zero on the other: a pair for the plus face, a pair for the minus face."""
+    zero, units = CF((0.0, 0.0)), unit_vectors()
+    return [Limits(e, zero) for e in units], [Limits(zero, e) for e in units]
+
+
+def replaced(functions, operator):
+    """What to replace trial or test functions by: operator(name of theirs), None for zero."""
+    zero = lambda proxy: CF(tuple([0.0] * proxy.dim), dims=tuple(proxy.dims))
+    values = {proxy: operator(core.OperatorName(proxy)) for proxy in functions}
+    return {proxy: zero(proxy) if value is None else value for proxy, value in values.items()}
+
+
+class NotLookedInto(ValueError):
+    """NGSolve cannot replace functions in a term."""
+
+
+def tested(term, operator):
+    """The form of a term with its test functions replaced by operator(name), None for zero.
+
+    Raises NotLookedInto for a term with a part that NGSolve does not look into.
+    """
+    try:
+        return term.form.Replace(replaced(term.test, operator))
+    except Exception as error:
+        if "Transform not" not in str(error):
+            raise
+        raise NotLookedInto(
+            "a term of problem.f or problem.a holds a function whose parts NGSolve does not tell apart (compiled, Inv, or an InnerProduct of a function with "
+            f"itself: write X*X or Norm(X)**2); interpolate it by a GridFunction, or write it in other words ({error})"
+        ) from None
+
+
+def coefficient_of_limits(term):
+    """(t⁺, t⁻) of a term ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks, vectors; zero on cracks and elements that it is not taken over."""
+    here = restriction(term)
+    return tuple(here * CF(tuple(tested(term, v.Operator)[0].coef for v in pair)) for pair in unit_limits())
+
+
+def coefficient_of_gradient(term):
+    """S of a term ∫ S:∇v, a 2 × 2 matrix, or None if there is no gradient in it; zero where it is not taken."""
+    if not any(core.OperatorName(proxy) == "grad" for proxy in term.test):
+        return None
+    units = [CF(tuple(row), dims=(2, 2)) for row in np.eye(4).tolist()]
+    return restriction(term) * CF(tuple(tested(term, {"grad": unit}.get)[0].coef for unit in units), dims=(2, 2))
+
+
+def restriction(term):
+    """1 where a term over the body or its cracks is taken, 0 elsewhere: a CoefficientFunction."""
+    inside = CF(1.0)
+    mesh = term.body.mesh
+    chosen = elements_of(term)
+    whole = term.body.CrackElements(None) if term.domain == core.Domain.Crack else None
+    if not contains(chosen, whole, mesh.ne):
+        indicator = GridFunction(L2(mesh, order=0))
+        indicator.vec.FV().NumPy()[:] = chosen
+        inside = indicator
+    if term.crack is not None and len(term.body.cracks) > 1:
+        inside = inside * IfPos(0.25 - (term.body.crack_number - term.crack) ** 2, 1.0, 0.0)
+    return inside
+
+
+def contains(chosen, whole, number):
+    """Whether a boolean array holds all elements of a BitArray (None: all of the mesh)."""
+    return chosen[chosen_of(whole, number)].all()
+
+
+def chosen_of(bits, number):
+    """A BitArray, or None for all, as a boolean array."""
+    return np.ones(number, dtype=bool) if bits is None else mask(bits)
+
+
+def elements_of(term):
+    """The elements (of the boundary for a term over it) that a term is taken over, a boolean array."""
+    mesh = term.body.mesh
+    index = np.array([el.index for el in mesh.Elements(BND)]) if term.on_boundary else mesh.ngmesh.Elements2D().NumPy()["index"] - 1
+    chosen = chosen_of(term.elements, len(index))
+    return chosen if term.regions is None else chosen & mask(term.regions)[index]
+
+
+def sample_points(term, number=12):
+    """NGSolve's mesh points at which a term is looked at: in the middle of some of its elements, on the boundary, or on a crack."""
+    mesh, place = term.body.mesh, place_of(term)
+    if place == "crack":
+        crack = term.crack or 0
+        length = term.body.cracks[crack].length
+        return crack_points(term.body, crack, (np.arange(number) + 0.37) / number * length)
+    chosen = np.flatnonzero(elements_of(term))
+    chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, number).astype(int))] if len(chosen) else chosen
+    x, y = np.full(len(chosen), 0.3), np.full(len(chosen), 0.0 if place == "boundary" else 0.4)
+    points = (
+        mesh(np.full(len(chosen), 0.5), np.zeros(len(chosen)), VOL_or_BND=BND) if place == "boundary" else crack_points(term.body, 0, np.zeros(len(chosen)))
+    )
+    points["nr"], points["x"], points["y"] = chosen, x, y
+    return points
+
+
+def values_of(term, test, trial=None):
+    """The integrand at some points, its functions replaced by test(name) and trial(name), see `replaced`."""
+    form = tested(term, test)
+    form = form.Replace(replaced(term.trial, trial)) if term.trial else form
+    return np.ravel(form[0].coef(sample_points(term)))
+
+
+def combined(weights, fields):
+    """Σ weight × field."""
+
+    def operator(name):
+        if fields[0](name) is None:
+            return None
+        first, *others = (weight * field(name) for weight, field in zip(weights, fields))
+        return sum(others, first)
+
+    return operator
+
+
+def check_linear(term, name):
+    """Raises ValueError for a term without a test function, or that is not linear in its test and its trial function."""
+    if not term.test:
+        if not np.any(term.integrand(sample_points(term))):
+            return  # what NGSolve makes of a load that is zero
+        raise ValueError(f"{name}: a term has no test function; write force*v*body.dx, v a test function of the problem's V")
+    try:
+        tested(term, lambda name: None)
+    except NotLookedInto:
+        return  # it is a load all the same, where nobody has to know its coefficients
+    fields = fields_of(term)
+    some, other = combined((0.7, 0.3, -0.5, 0.2), fields), combined((-0.4, 0.9, 0.6, -0.8), fields)
+    as_test, as_trial = (lambda field: values_of(term, field, some)), (lambda field: values_of(term, some, field))
+    for at in (as_test, as_trial) if term.trial else (as_test,):
+        first, second = at(some), at(other)
+        size = max(np.abs(first).max(initial=0), np.abs(second).max(initial=0))
+        if not np.isfinite(size):
+            return  # found when it is assembled
+        for a, b in ((0.0, 0.0), (-2.0, 0.0), (1.0, 1.0)):
+            if not np.allclose(at(combined((a, b), (some, other))), a * first + b * second, rtol=1e-9, atol=1e-9 * size):
+                raise ValueError(f"{name}: a term is not linear in its test or trial function; only linear terms have a place here")
+
+
+def check_symmetric(term, name):
+    """Raises ValueError for a bilinear term that is not symmetric."""
+    fields = fields_of(term)
+    values = np.array([[values_of(term, b, a) for a in fields] for b in fields])
+    if not np.allclose(values, values.swapaxes(0, 1), atol=1e-10 * np.abs(values).max(initial=0)):
+        raise ValueError(f"{name}: a term is not symmetric in u and v; the solver needs a(u, v) = a(v, u)")
+
+
+def fields_of(term):
+    """Constant fields as functions of the operators' names: on a crack on one face at a time, elsewhere with a gradient of their own."""
+    if place_of(term) == "crack":
+        return [u.Operator for pair in unit_limits() for u in pair]
+    gradients = [CF(tuple(row), dims=(2, 2)) for row in np.eye(4)[:2].tolist()]
+    return [{"Id": e, "grad": g}.get for e, g in zip(unit_vectors(), gradients)]

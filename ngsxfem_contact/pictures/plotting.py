@@ -1,0 +1,198 @@
+"""Pictures and VTK with the crack open and sharp, on the split mesh."""
+
+from pathlib import Path
+
+import numpy as np
+from ngsolve import CF, VTKOutput
+
+from ..arguments import check_number, check_positive
+from ..files import write_whole
+from ..operators import Minus, Plus
+from ..progress import doing
+from .split_mesh import SplitMesh, mesh_arrays
+
+LIPS = {1: ("plus lip", "tab:red"), -1: ("minus lip", "tab:blue")}
+
+
+def von_mises(material, strain):
+    """The von Mises stress of a 2 × 2 strain, in the unit of lam and mu."""
+    return material.VonMises(material.Stress(strain))
+
+
+def split_displacement(solution):
+    """The SplitMesh that suits the order of u, and the displacement (N,2) at its points."""
+    u = solution.u
+    split = SplitMesh(solution.body, subdivision=int(np.ceil(np.log2(u.space.order))))
+    return split, split.Evaluate(Plus(u), Minus(u), u)
+
+
+def visible_scale(split, displacement, scale=None):
+    """A given factor, or that of two digits which shows the largest displacement as 5 % of the body's size; raises ValueError unless it is finite."""
+    if scale is not None:
+        check_number(scale, "scale")
+        return scale
+    largest = np.linalg.norm(displacement, axis=1).max()
+    return float(f"{0.05 * np.ptp(split.points, axis=0).max() / largest:.2g}") if largest > 0 else 1.0
+
+
+def pyplot():
+    """matplotlib.pyplot; raises ImportError that says how to install it."""
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise ImportError("pictures need matplotlib: run `pip install ngsxfem_contact[plot]`") from None
+    return plt
+
+
+def legend_below(ax):
+    """The legend, under the axes and their label."""
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
+
+
+def shown_values(solution, split, field=None):
+    """Values (M,3,dim) of a field, one-sided at the lips, and the colours' range; field=None: the von Mises stress.
+
+    Stresses are infinite at tips: the range leaves out the least and the largest 2 % of the values.
+    """
+    field = solution.VonMises() if field is None else CF(field)
+    values = split.EvaluateInside(field)
+    return values, np.quantile(np.linalg.norm(values, axis=-1) if field.dim > 1 else values, (0.02, 0.98))
+
+
+def plot_body(solution, ax=None, scale=None, field=None, label="von Mises stress"):
+    """The deformed body, coloured by a scalar field, and the two lips of each crack; returns the axes.
+
+    scale: of the displacement; by default the largest is 5 % of the body's size.
+    field: CoefficientFunction such as `solution.stress[1, 1]`, with its label; by default the von Mises stress.
+    The colours leave out the least and the largest 2 % of the values.
+    """
+    split, u = split_displacement(solution)
+    scale = visible_scale(split, u, scale)
+    ax = ax or pyplot().subplots(layout="constrained")[1]
+    values, (low, high) = shown_values(solution, split, field)
+    shape = split.points + scale * u
+    corners = shape[split.triangles].reshape(-1, 2)
+    numbers = np.arange(len(corners)).reshape(-1, 3)
+    colours = ax.tripcolor(*corners.T, numbers, values.ravel(), shading="gouraud", vmin=low, vmax=high)
+    ax.figure.colorbar(colours, ax=ax, label=label, extend="both")
+    for side, (name, colour) in LIPS.items():
+        edges = shape[split.lips[split.lip_side == side]]
+        lines = np.concatenate([edges, np.full_like(edges[:, :1], np.nan)], axis=1).reshape(-1, 2)  # nan lifts the pen
+        ax.plot(*lines.T, color=colour, linewidth=1.2, label=name)
+    legend_below(ax)
+    ax.set(aspect="equal", xlabel="x", ylabel="y", title=f"deformed body, displacement × {scale:g}")
+    return ax
+
+
+PROFILES = {
+    "pressure": ("pressure $-\\lambda$", lambda profile: -np.asarray(profile.sigma_n)),
+    "gap": ("normal gap $g_n$", lambda profile: profile.gap),
+    "slip": ("slip $g_t$", lambda profile: profile.slip),
+    "shear": ("tangential stress $\\sigma_t$", lambda profile: profile.sigma_t),
+}
+
+
+def plot_profile(solution, crack=0, ax=None, quantities=("pressure", "gap")):
+    """Quantities along a crack, the contact zone shaded: "pressure" -λ, "gap", "slip", "shear". ax: one axes for each. Returns them."""
+    for quantity in quantities:
+        if quantity not in PROFILES:
+            raise ValueError(f"plot_profile: quantities={quantities!r}: {quantity!r} is not one of {list(PROFILES)}")
+    profile = solution.Profile(crack=crack, n=400)
+    axes = list(np.ravel(pyplot().subplots(len(quantities), 1, sharex=True, layout="constrained")[1] if ax is None else ax))
+    pressure = -np.asarray(profile.sigma_n)
+    contact = pressure > 1e-8 * np.abs(pressure).max()
+    for axis, quantity in zip(axes, quantities):
+        label, values = PROFILES[quantity]
+        axis.fill_between(profile.s, 0, 1, where=contact, transform=axis.get_xaxis_transform(), color="0.88", label="contact")
+        axis.axhline(0, color="0.5", linewidth=0.6)
+        axis.plot(profile.s, values(profile), color="tab:blue")
+        axis.set_ylabel(label)
+    if contact.any():
+        axes[0].legend(loc="best")
+    axes[-1].set_xlabel("arc length s along the crack")
+    return axes
+
+
+def plot_mesh(V, ax=None):
+    """The mesh, the cracks, and what enriches the space: circles on vertices with a Heaviside function, the disks of the tips' functions.
+
+    Triangles are light if some of their vertices are enriched, darker if all are. Returns the axes.
+    """
+    body = V.body
+    ax = ax or pyplot().subplots(layout="constrained")[1]
+    vertices, elements = mesh_arrays(body.mesh)
+    enriched = [dof for dof, _ in map(V.Heaviside, range(V.num_heaviside)) if dof < len(vertices)]  # dof i of P_k is vertex i
+    count = np.isin(elements, enriched).sum(axis=1)
+    if count.any():
+        ax.tripcolor(*vertices.T, elements[count > 0], facecolors=np.where(count == 3, 2.0, 1.0)[count > 0], cmap="Blues", vmin=0, vmax=6)
+    ax.triplot(*vertices.T, elements, color="0.7", linewidth=0.5)
+    ax.plot(*vertices[enriched].T, "o", color="tab:blue", markerfacecolor="none", markersize=5, label="Heaviside function")
+    for i, crack in enumerate(body.cracks):
+        ax.plot(*np.array(crack.Outline()).T, color="tab:red", linewidth=2, label="" if i else "crack")
+    disks = [(tip, spec) for tip, spec in zip(body.tips, V.tip_specs) if spec]
+    for i, (tip, spec) in enumerate(disks):
+        angle = np.linspace(0, 2 * np.pi, 100)
+        ring = np.array(tip.point)[:, None] + spec.r1 * np.array([np.cos(angle), np.sin(angle)])
+        ax.plot(*ring, "--", color="tab:green", label="" if i else "tip functions, $r < r_1$")
+    legend_below(ax)
+    ax.set(aspect="equal", xlabel="x", ylabel="y")
+    return ax
+
+
+def save_vtk(solution, path):
+    """Writes displacement, stresses and side on the split mesh as .vtu (ending added if missing); returns the file's name.
+
+    The file appears when it is complete: an interrupted run, or a full disk (OSError), leaves none, or the one before.
+    """
+    path = Path(path)
+    if not path.name:
+        raise ValueError(f"SaveVTK: {str(path)!r} is not the name of a file")
+    path = path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
+    split, u = split_displacement(solution)
+    stress = solution.stress
+    names = ["von_mises", "stress_xx", "stress_yy", "stress_xy"]
+    scalars = CF((solution.VonMises(), stress[0, 0], stress[1, 1], stress[0, 1]))
+    values, side = split.EvaluateInside(scalars), np.repeat(split.side, 3).reshape(-1, 3, 1)
+    fields = [CF((split.GridFunction(u), 0)), *(split.GridFunction(values[..., [i]]) for i in range(4)), split.GridFunction(side)]
+    write = lambda temporary: VTKOutput(split.mesh, fields, ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()
+    return str(write_whole(path, write, end=b"</VTKFile>"))
+
+
+def draw(solution, field=None, scale=None, **options):
+    """ngsolve.webgui.Draw of a field on the deformed split mesh, the lips drawn as edges.
+
+    field: CoefficientFunction such as `solution.u` or `solution.stress[1, 1]`; by default the von Mises stress.
+    scale: of the displacement; by default the largest is 5 % of the body's size.
+    options: of ngsolve.webgui.Draw, such as filename="u.html", min=0, max=1, settings={"Objects": {"Wireframe": True}}.
+    """
+    from ngsolve.webgui import Draw
+
+    split, u = split_displacement(solution)
+    values, (low, high) = shown_values(solution, split, field)
+    scale = visible_scale(split, u, scale)
+    defaults = {"order": 1, "autoscale": False, "min": float(low), "max": float(high), "settings": {"Objects": {"Wireframe": False}}}
+    # scaled here: Draw applies its own scale to no deformation that is a function
+    return Draw(split.GridFunction(values), split.mesh, "field", deformation=split.GridFunction(scale * u), **defaults | options)
+
+
+def animate(solutions, path, titles, scale=None, seconds=0.5):
+    """Writes plot_body of every solution, at one scale, as an animated GIF; returns its name. It appears when it is complete."""
+    plt = pyplot()
+    from matplotlib.animation import PillowWriter
+
+    check_positive(seconds, "seconds")
+    scale = scale or min(visible_scale(*split_displacement(solution)) for solution in solutions)
+    figure = plt.figure(figsize=(6, 6), layout="constrained")
+
+    def write(temporary):
+        with PillowWriter(fps=1 / seconds).saving(figure, temporary, dpi=80) as frames:
+            for number, (solution, title) in enumerate(zip(solutions, titles)):
+                with doing(f"picture {number + 1} of {len(solutions)} of {Path(path).name}"):
+                    figure.clear()
+                    plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
+                    frames.grab_frame()
+
+    try:
+        return str(write_whole(Path(path), write))
+    finally:
+        plt.close(figure)

@@ -1,0 +1,306 @@
+"""The mesh of the pictures: NGSolve interpolates inside an element and so smears the jump across a crack.
+
+In a SplitMesh the elements that a crack meets are replaced by their parts on either side, and the points on the crack are doubled.
+"""
+
+import numpy as np
+from ngsolve import BND, CF, H1, VOL, Discontinuous, GridFunction, Mesh, x, y
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ..algebra.matrices import mask
+
+LIPS = (1, -1)  # plus and minus
+PULL = 0.05  # stresses are taken this part of the way from a corner to the triangle's centre: they jump, and are infinite at tips
+
+
+class SplitMesh:
+    """The mesh of a body's pictures: conforming triangles, none of them crossed by a crack.
+
+    body: CrackedMesh.    subdivision: how often each triangle is divided into four.
+    points (N,2): those on a crack twice, once for each lip, but tips once.    triangles (M,3): counterclockwise.
+    element (M,): the element of body.mesh that holds the triangle.    side (M,): 1 plus, -1 minus, 0 away from the cracks.
+    point_side (N,): the lip of a doubled point, 0 for other points.
+    lips (L,2), lip_side (L,), lip_crack (L,): the edges on the cracks, each once for each lip.
+    """
+
+    def __init__(self, body, subdivision=0):
+        self.body, self._mesh = body, None
+        tolerance = 1e-9 * min(location.h for c in range(len(body.cracks)) for location in body.Elements(c))
+        points, triangles, parent = conforming_triangles(body, tolerance)
+        carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))]).T
+        for _ in range(subdivision):
+            places = self._Places(points, triangles, parent[:, 0])
+            edge, _, crack_of, _ = crack_edges(body.cracks, places, triangles, carried[parent[:, 0]], tolerance)
+            ends = triangles.ravel()[[edge, next_corner(edge)]]
+            middles = on_curves(body, crack_of, points[ends], places[ends])
+            points, triangles = divide_in_four(points, triangles, edge, middles)
+            parent = np.tile(parent, (4, 1))
+        self.element, self.side = parent.T.copy()
+        places = self._Places(points, triangles, self.element)
+        self._Double(points, triangles, *crack_edges(body.cracks, places, triangles, carried[self.element], tolerance))
+        self.reference = reference_coordinates(body.mesh, self.points[self.triangles], self.element)
+        if body.mesh.GetCurveOrder() > 1:
+            self.points = self.Evaluate(*[CF((x, y))] * 3)
+
+    def _Double(self, points, triangles, edge, values_from, edge_crack, edge_side):
+        """One point for each fan of triangles that are connected around it without crossing a crack."""
+        first, second = twin_edges(triangles)
+        a, b = np.stack([first, second])[:, ~np.isin(first, edge)]
+        fan = components(triangles.size, np.concatenate([a, next_corner(a)]), np.concatenate([next_corner(b), b]))
+        lip_corners = np.stack([edge, next_corner(edge)], axis=1)
+        self.corner = np.empty(fan.max() + 1, dtype=int)
+        self.corner[fan] = np.arange(triangles.size)
+        self.corner[fan[lip_corners]] = values_from
+        self.points, self.triangles = points[triangles.ravel()[self.corner]], fan.reshape(-1, 3)
+        self.lips, self.lip_edges, self.lip_side, self.lip_crack = fan[lip_corners], edge, edge_side, edge_crack
+        self.point_side = np.zeros(len(self.points), dtype=int)
+        for side in LIPS:  # a tip is on both lips: 0
+            self.point_side[np.unique(self.lips[edge_side == side])] += side
+        touching = np.sign(self.point_side[self.triangles].sum(axis=1))
+        self.side = np.where(self.side == 0, touching, self.side)
+
+    def _Places(self, points, triangles, element):
+        """Where points (N,2), given in the straight triangles of the elements (M,), lie in the body."""
+        if self.body.mesh.GetCurveOrder() == 1:
+            return points
+        reference, places = reference_coordinates(self.body.mesh, points[triangles], element), points.copy()
+        places[triangles.ravel()] = self._At(CF((x, y)), np.repeat(element, 3), reference.reshape(-1, 2))
+        return places
+
+    def _At(self, cf, elements, reference):
+        """Values (n, dim) at reference coordinates (n,2) in elements (n,)."""
+        mesh = self.body.mesh
+        inside = np.mean([mesh[v].point for v in next(iter(mesh.Elements(VOL))).vertices], axis=0)
+        places = np.repeat(mesh(*inside[:, None]), len(elements))
+        places["nr"], places["x"], places["y"] = elements, reference[:, 0], reference[:, 1]
+        return np.reshape(cf(places), (len(elements), cf.dim)) if len(elements) else np.zeros((0, cf.dim))
+
+    def Evaluate(self, plus, minus, middle):
+        """Values (N, dim) of CoefficientFunctions at the points: plus and minus on the two lips, middle elsewhere.
+
+        Plus(u) and Minus(u) are limits on the crack, no continuations: off the crack the position gives u its side.
+        """
+        elements, reference = self.element[self.corner // 3], self.reference.reshape(-1, 2)[self.corner]
+        values = np.empty((len(self.points), middle.dim))
+        for side, cf in ((1, plus), (-1, minus), (0, middle)):
+            chosen = self.point_side == side
+            values[chosen] = self._At(cf, elements[chosen], reference[chosen])
+        return values
+
+    def EvaluateInside(self, cf):
+        """Values (M, 3, dim) a little inside the corners of each triangle: for stresses, which jump."""
+        near = (1 - PULL) * self.reference + PULL * self.reference.mean(axis=1, keepdims=True)
+        return self._At(cf, np.repeat(self.element, 3), near.reshape(-1, 2)).reshape(len(self.triangles), 3, -1)
+
+    @property
+    def mesh(self):
+        """An ngsolve.Mesh: vertex i is points[i], element i triangles[i]; boundaries as the body's, and "crack" for the lips."""
+        if self._mesh is None:
+            self._mesh = ngsolve_mesh(self)
+        return self._mesh
+
+    def GridFunction(self, values):
+        """On `mesh`: continuous from values (N, dim) at the points, discontinuous from values (M, 3, dim) at the corners."""
+        space = H1(self.mesh, order=1, dim=values.shape[-1])
+        function = GridFunction(space if values.ndim == 2 else Discontinuous(space, dim=space.dim))
+        function.vec.FV().NumPy()[:] = values.ravel()
+        return function
+
+
+def conforming_triangles(body, tolerance):
+    """Points, triangles and rows (element, side) with no point inside an edge; no point is doubled yet. Curved elements are straight here."""
+    vertices, elements = mesh_arrays(body.mesh)
+    cut = mask(body.CrackElements(None))
+    uncut = np.flatnonzero(~cut)
+    parts = [(int(element), part) for element in np.flatnonzero(cut) for part in body.Parts(int(element))]
+    pieces = [(t, element, int(part.piece.side)) for element, part in parts for t in flat(part.piece, body.CrackInTriangle(element, part.crack))]
+    corners = np.array([triangle for triangle, _, _ in pieces]).reshape(-1, 2)
+    bends = np.concatenate([in_triangles(body, c, [0, *crack.kinks, crack.length]) for c, crack in enumerate(body.cracks)])
+    points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)
+    new = number[len(vertices) :]
+    triangles = np.concatenate([number[elements[uncut]], new[: len(corners)].reshape(-1, 3)])
+    parent = np.concatenate([np.stack([uncut, 0 * uncut], axis=1), np.array([piece[1:] for piece in pieces], dtype=int).reshape(-1, 2)])
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
+    longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
+    thick = np.abs(cross(b - a, c - a)) > tolerance * longest  # others have a corner on an edge: they would be divided for ever
+    triangles, parent, a, b, c = (array[thick] for array in (triangles, parent, a, b, c))
+    clockwise = cross(b - a, c - a) < 0
+    triangles[clockwise] = triangles[clockwise, ::-1]
+    return points, *without_hanging_points(points, triangles, parent, np.unique(new), tolerance)
+
+
+def flat(piece, crack):
+    """The triangles of a piece; a curved side becomes a polyline with kinks of less than 3 degrees."""
+    if piece.curved is None:
+        return [piece.triangle]
+    s0, s1 = piece.curved
+    turn = max(abs(crack.CurvatureAt(s)) for s in np.linspace(s0, s1, 5)) * (s1 - s0)
+    side = [crack.PointAt(s) for s in np.linspace(s0, s1, 1 + int(np.ceil(1e-3 + turn / 0.05)))]
+    return [(piece.triangle[0], a, b) for a, b in zip(side, side[1:])]
+
+
+def in_triangles(body, crack, arclengths):
+    """Points (n,2) of a crack, in the straight triangles of the elements that carry them."""
+    element, xi, eta = (np.array(values) for values in body.OnCrack(crack, list(arclengths)))
+    vertices, elements = mesh_arrays(body.mesh)
+    v0, v1, v2 = (vertices[elements[element, k]] for k in range(3))
+    return v2 + xi[:, None] * (v0 - v2) + eta[:, None] * (v1 - v2)
+
+
+def mesh_arrays(mesh):
+    """Vertices (n,2) and triangles (m,3) of an NGSolve mesh, in its numbering."""
+    return mesh.ngmesh.Coordinates()[:, :2].copy(), mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
+
+
+def merged(points, tolerance):
+    """The points without repetitions, and the number of each old one; the first of several stays."""
+    label = components(len(points), *cKDTree(points).query_pairs(tolerance, output_type="ndarray").T)
+    _, first, number = np.unique(label, return_index=True, return_inverse=True)
+    return points[first], number
+
+
+def components(size, first, second):
+    """Number (size,) of the connected component of each of `size` things, of which first[i] and second[i] are linked."""
+    links = coo_matrix((np.ones(len(first)), (first, second)), shape=(size, size))
+    return connected_components(links, directed=False)[1].astype(np.int64)  # 32 bits overflow in twin_edges
+
+
+def cross(a, b):
+    """a_x b_y - a_y b_x of arrays (..., 2)."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def without_hanging_points(points, triangles, parent, candidates, tolerance):
+    """Triangles divided until no candidate lies inside an edge.
+
+    Tips do: pieces of a tip's element end at the straight extension of the crack, which ends inside the neighbour's edge.
+    """
+    done = []
+    while len(triangles):
+        point, corner = hanging_points(points, triangles, candidates, tolerance)
+        hangs = point >= 0
+        done.append((triangles[~hangs], parent[~hangs]))
+        rows, point = np.flatnonzero(hangs), point[hangs]
+        a, b, c = (triangles[rows, (corner[hangs] + k) % 3] for k in range(3))
+        triangles = np.concatenate([np.stack([a, point, c], axis=1), np.stack([point, b, c], axis=1)])
+        parent = np.tile(parent[hangs], (2, 1))
+    return [np.concatenate(parts) for parts in zip(*done)]
+
+
+def hanging_points(points, triangles, candidates, tolerance):
+    """For each triangle a candidate inside one of its edges (or -1), and the corner at which that edge starts."""
+    point, corner = np.full(len(triangles), -1), np.zeros(len(triangles), dtype=int)
+    tree = cKDTree(points[candidates])
+    for k in range(3):
+        a, b = points[triangles[:, k]], points[triangles[:, (k + 1) % 3]]
+        length = np.linalg.norm(b - a, axis=1)
+        near = tree.query_ball_point((a + b) / 2, np.maximum(length / 2 - tolerance, 0))
+        owner = np.repeat(np.arange(len(triangles)), [len(found) for found in near])
+        found = candidates[np.concatenate(near).astype(int)]
+        inside = np.abs(cross(b[owner] - a[owner], points[found] - a[owner])) <= tolerance * length[owner]
+        point[owner[inside]], corner[owner[inside]] = found[inside], k
+    return point, corner
+
+
+def on_curves(body, crack_of, ends, places):
+    """For edges on cracks (L,) with ends (2,L,2), in straight triangles, at places (2,L,2) the points (L,2) of the cracks half-way between."""
+    middles = ends.mean(axis=0)
+    for c, crack in enumerate(body.cracks):
+        if body.mesh.GetCurveOrder() > 1 or any(kind != "segment" for kind, _ in crack.pieces):
+            on = np.flatnonzero(crack_of == c)
+            arclengths = [np.mean([crack.ArcLength(tuple(end)) for end in places[:, i]]) for i in on]
+            middles[on] = in_triangles(body, c, arclengths)
+    return middles
+
+
+def divide_in_four(points, triangles, edge, middles):
+    """Points with the middles of the edges, given (L,2) for some (L,), and triangles; those of the first quarter come first, and so on."""
+    ends = np.sort([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()], axis=0)
+    edges, number = np.unique(ends, axis=1, return_inverse=True)
+    p, q, r = triangles.T
+    pq, qr, rp = (len(points) + number.reshape(-1, 3)).T
+    quarters = [(p, pq, rp), (pq, q, qr), (rp, qr, r), (pq, qr, rp)]
+    halves = points[edges].mean(axis=0)
+    halves[number.ravel()[edge]] = middles
+    return np.concatenate([points, halves]), np.concatenate([np.stack(part, axis=1) for part in quarters])
+
+
+def next_corner(corner):
+    """Of the corners 3t, 3t+1, 3t+2 of triangle t; an edge has the number of the corner at which it starts."""
+    return corner - corner % 3 + (corner + 1) % 3
+
+
+def twin_edges(triangles):
+    """The edges that two triangles share: the number in the one and the number in the other."""
+    a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    key = np.minimum(a, b) * (triangles.max() + 1) + np.maximum(a, b)
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(np.diff(key[order]) == 0)
+    return order[same], order[same + 1]
+
+
+def crack_edges(cracks, points, triangles, carried, tolerance):
+    """Edges (L,) on a crack, corners (L,2) that give the values at their ends, their cracks (L,), and the sides (L,) of their triangles.
+
+    carried (M, cracks): whether a triangle's element carries a crack. Limits on a crack are defined in elements that carry it:
+    where it runs along edges, the neighbour may carry another crack, to which Plus and Minus would refer.
+    """
+    first, second = twin_edges(triangles)
+    near = (carried[first // 3] | carried[second // 3]).any(axis=1)
+    edges, twins = np.concatenate([first[near], second[near]]), np.concatenate([second[near], first[near]])
+    a, b = triangles.ravel()[edges], triangles.ravel()[next_corner(edges)]
+    crack_of, side = np.full(len(edges), -1), np.zeros(len(edges), dtype=int)
+    for c, crack in enumerate(cracks):
+        rank = ranks_along(crack, points, np.unique([a, b]), tolerance)
+        on = (rank[a] >= 0) & (rank[b] >= 0) & (np.abs(rank[b] - rank[a]) == 1)
+        crack_of[on], side[on] = c, (rank[b] - rank[a])[on]  # a triangle lies to the left of its edges
+    own, other = np.stack([edges, next_corner(edges)], axis=1), np.stack([next_corner(twins), twins], axis=1)
+    values_from = np.where(carried[edges // 3, crack_of][:, None], own, other)
+    return [array[side != 0] for array in (edges, values_from, crack_of, side)]
+
+
+def ranks_along(crack, points, candidates, tolerance):
+    """For each point its number in the order of arc length among those of the candidates that lie on the crack, else -1."""
+    on = [i for i in candidates if crack.Distance(tuple(points[i])) <= tolerance]
+    arclength = [crack.ArcLength(tuple(points[i])) for i in on]
+    rank = np.full(len(points), -1)
+    rank[np.array(on, dtype=int)[np.argsort(arclength)]] = np.arange(len(on))
+    return rank
+
+
+def reference_coordinates(mesh, corners, element):
+    """Of points (M,3,2) in elements (M,); the vertices of NGSolve's reference triangle are (1,0), (0,1), (0,0)."""
+    vertices, elements = mesh_arrays(mesh)
+    v0, v1, v2 = (vertices[elements[element, k]][:, None] for k in range(3))
+    a, b, d = v0 - v2, v1 - v2, corners - v2
+    return np.stack([cross(d, b), cross(a, d)], axis=-1) / cross(a, b)[..., None]
+
+
+def ngsolve_mesh(split):
+    """The mesh of NGSolve with the points, triangles and boundaries of a SplitMesh."""
+    import netgen.meshing as netgen
+
+    mesh = netgen.Mesh(dim=2)
+    mesh.Add(netgen.FaceDescriptor(surfnr=1, domin=1, bc=1))
+    mesh.AddPoints(np.column_stack([split.points, np.zeros(len(split.points))]))
+    mesh.AddElements(dim=2, index=1, data=split.triangles.astype(np.int32), base=0)
+    edges, names = boundary_edges(split)
+    for i, name in enumerate(np.unique(names)):
+        mesh.AddElements(dim=1, index=i + 1, data=edges[names == name].astype(np.int32), base=0)
+        mesh.SetBCName(i, str(name))
+    return Mesh(mesh)
+
+
+def boundary_edges(split):
+    """Edges (n,2) of a SplitMesh that only one triangle has, and the names of their boundaries."""
+    corners = np.setdiff1d(np.arange(split.triangles.size), np.concatenate(twin_edges(split.triangles)))
+    ends = np.stack([corners, next_corner(corners)], axis=1)
+    xi, eta = np.moveaxis(split.reference.reshape(-1, 2)[ends], -1, 0)
+    opposite = np.argmin(np.abs([xi, eta, 1 - xi - eta]).max(axis=2), axis=0)  # the vertex whose hat function is 0 on the edge
+    elements, mesh = mesh_arrays(split.body.mesh)[1], split.body.mesh
+    between = np.sort([elements[split.element[corners // 3], (opposite + k) % 3] for k in (1, 2)], axis=0).T
+    names = {tuple(sorted(v.nr for v in edge.vertices)): edge.mat for edge in mesh.Elements(BND)}
+    on_crack = np.isin(corners, split.lip_edges)
+    return split.triangles.ravel()[ends], np.array(["crack" if c else names[tuple(pair)] for c, pair in zip(on_crack, between.tolist())])

@@ -1,0 +1,19 @@
+"""Points of cracks, and distances in the plane."""
+
+import numpy as np
+
+
+def distance_to_segments(a, b, point):
+    """Of a point from the nearest of the segments from a to b, (n, 2) each; inf if there are none."""
+    if len(a) == 0:
+        return np.inf
+    t = np.clip(np.einsum("ij,ij->i", point - a, b - a) / np.einsum("ij,ij->i", b - a, b - a), 0, 1)
+    return float(np.hypot(*(a + t[:, None] * (b - a) - point).T).min())
+
+
+def crack_points(body, crack, arclengths):
+    """NGSolve's mesh points at arc lengths of a crack, each in an element that carries that part of it."""
+    elements, xi, eta = body.OnCrack(crack, list(arclengths))
+    points = body.mesh(np.full(len(elements), body.cracks[crack].points[0][0]), np.full(len(elements), body.cracks[crack].points[0][1]))
+    points["nr"], points["x"], points["y"] = elements, xi, eta
+    return points

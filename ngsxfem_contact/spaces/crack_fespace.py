@@ -1,0 +1,188 @@
+"""V_h, the displacements: section 3 of docs/method.md, (6) to (8) of [AHLMR12]."""
+
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+from .. import _ngsxfem_contact as core
+from ..arguments import INFINITY, check_number, check_positive, check_regions, check_type, check_whole
+from ..errors import warn
+from ..material import Elasticity, Isotropic
+from .resolution import place, warn_of_coarse
+from .tip_disk import largest_disk
+
+UNKNOWN = Elasticity.PlaneStrain(E=2.6, nu=0.3)  # μ = 1: the modes at a tip until its material is known
+
+
+@dataclass(frozen=True)
+class TipEnrichment:
+    """χ F_j at a tip: the singular functions and the cut-off χ = 1 for r ≤ r0, 0 for r ≥ r1.
+
+    r1: default 0.9 × the largest possible radius: the tip's clearance (see `body.tips`), and the distance to curved
+        elements and, for the modes, to other materials.    r0: default r1 / 50.
+    cutoff: "quintic" (χ is C²) or "cubic" (C¹).
+    material: with an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress
+        intensity factors and whose lips are free of traction: 2 unknowns for each tip. Default: that of CrackFESpace(material=...).
+    functions: "modes", or "branch" for the four scalar functions (8) of [AHLMR12] in each component, 8 unknowns, whose lips carry
+        tractions: in contact pressures and K_I are less accurate. Default: modes; without a material those of the ContactProblem that is made of the space.
+    tolerance: of the integration rules around the tip, relative to the integral over an element. The default changes the
+        mean errors of energy and K by less than a hundredth of themselves (tests/contact/test_contact.py).
+    r0 and r1 are lengths.    Raises ValueError unless 0 <= r0 < r1 < inf, TypeError for a material that is none; CrackFESpace raises
+    for a disk that does not fit the body.
+    """
+
+    r0: float | None = None
+    r1: float | None = None
+    cutoff: str = "quintic"
+    material: Isotropic | None = None
+    functions: str | None = None
+    tolerance: float = 1e-5
+
+    def __post_init__(self):
+        if self.cutoff not in core.CutOff.__members__:
+            raise ValueError(f"TipEnrichment: cutoff={self.cutoff!r} is not one of {list(core.CutOff.__members__)}")
+        check_number(self.tolerance, "TipEnrichment: tolerance", lambda tolerance: 0 < tolerance < 1, "lie between 0 and 1")
+        if self.r1 is not None:
+            check_positive(self.r1, "TipEnrichment: r1")
+        if self.r0 is not None:
+            r1 = INFINITY if self.r1 is None else self.r1
+            check_number(self.r0, "TipEnrichment: r0", lambda r0: 0 <= r0 < r1, f"be less than r1={self.r1}: the cut-off needs 0 <= r0 < r1")
+        if self.functions not in (None, "modes", "branch"):
+            raise ValueError(f"TipEnrichment: functions={self.functions!r} is not 'modes' or 'branch'")
+        if self.functions == "modes" and self.material is None:
+            raise ValueError("TipEnrichment: functions='modes' needs material=Elasticity(...), which the modes depend on")
+        check_type(self.material, Isotropic | None, "TipEnrichment: material", "an Elasticity")
+
+    def Spec(self, body, tip):
+        """What the space needs to know at one tip of `body.tips`. Raises ValueError for a disk that does not fit."""
+        material = None if self.functions == "branch" else self.material
+        radius, limit = largest_disk(body, tip, material)
+        r1 = 0.9 * radius if self.r1 is None else self.r1
+        if radius < tip.clearance and not 0 < r1 <= (1 + 1e-10) * radius:
+            raise ValueError(
+                f"TipEnrichment: the disk r1 = {r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}) reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or tip=None"
+            )
+        r0 = r1 / 50 if self.r0 is None else self.r0
+        cutoff = core.CutOff.__members__[self.cutoff]
+        if self.functions == "branch":
+            return core.TipSpec(core.TipBasis.branch, cutoff, r0, r1, 0, 1)
+        here = UNKNOWN if material is None else material.At(body.mesh, tip.point)
+        return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
+
+    def With(self, material):
+        """The same with the modes of a material (or None), unless it has functions of its own."""
+        return self if self.material is not None or self.functions is not None else replace(self, material=material)
+
+    @property
+    def undecided(self):
+        """Whether there is neither a material nor a choice of functions."""
+        return self.material is None and self.functions is None
+
+
+class CrackFESpace(core.CrackFESpace):
+    """V_h = {Σ a_i φ_i + Σ_{N_H} b_i H φ_i + χ Σ c_j F_j}: vector-valued, one FESpace.
+
+    N_H are the functions with completely cut support. They are stored as ½(H - s_i) φ_i, s_i the sign of the larger
+    part of the support: the span is the same, b_i is the nodal jump, and thin parts do no harm.
+
+    body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+"), with higher orders all
+        bubbles of degree order + 1, which nearly incompressible materials need; default: where the material is one and order > 1.
+    tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
+    material: Elasticity (or Elasticity.ByRegion) of the body: the tips have its modes, and ContactProblem(V, W) takes it.
+    dirichlet: names (a regular expression) of the boundaries on which u is held.    dirichletx, dirichlety: of those on which that component is held:
+        rollers, planes of symmetry.    flags: orderinner, print as for NGSolve's H1.
+    Warns (AccuracyWarning) of tips without a material, of cracks of less than 2 elements for each tip, and of tips whose functions have less than 2 elements of room.
+    Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has, an unknown
+    boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
+    """
+
+    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=None, dirichlet="", dirichletx="", dirichlety="", material=None, **flags):
+        check_flags(flags)
+        check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
+        check_whole(order, "CrackFESpace: order", 1)
+        check_type(material, Isotropic | None, "CrackFESpace: material", "an Elasticity")
+        for name, pattern in (("dirichlet", dirichlet), ("dirichletx", dirichletx), ("dirichlety", dirichlety)):
+            if pattern:
+                flags[name] = joined_names(pattern)
+                check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
+        tips = tip_enrichments(tip, body, material)
+        specs = [enrichment and enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
+        if len(tips) != len(body.tips):
+            raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
+        tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)
+        if bubble is None:
+            bubble = order > 1 and any(map(is_nearly_incompressible, [material, *(getattr(enrichment, "material", None) for enrichment in tips)]))
+        if bubble:
+            flags["orderinner"] = max(3, order + 1)
+        super().__init__(body, specs, tolerance, order=order, **flags)
+        self.material = material
+        self.undecided = [number for number, enrichment in enumerate(tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
+        warn_of_undecided(body, self.undecided)
+        warn_of_coarse(body, specs, material)
+
+
+def tip_enrichments(tip, body, material):
+    """One for each tip, those that are undecided with the modes of the material."""
+    tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
+    for enrichment in tips:
+        if enrichment is not None and not hasattr(enrichment, "Spec"):
+            raise TypeError(f"CrackFESpace: tip={enrichment!r} is neither a TipEnrichment nor None")
+    return [enrichment.With(material) if isinstance(enrichment, TipEnrichment) else enrichment for enrichment in tips]
+
+
+def warn_of_undecided(body, tips):
+    """Tips whose material is not known."""
+    if tips:
+        warn(
+            f"CrackFESpace: no material is given, so the tips at {', '.join(place(body.tips[number].point) for number in tips)} have modes of a material with ν = 0.3 "
+            "until a ContactProblem says which; with another one forms of your own would be less accurate at the tips, and K from the modes wrong. "
+            "Give CrackFESpace(..., material=...), or tip=TipEnrichment(functions='branch') for functions that need none"
+        )
+
+
+def decide(V, material):
+    """Gives the tips of V whose material was not known that of the problem. Raises ValueError for a disk that reaches another material."""
+    for number in getattr(V, "undecided", []):
+        tip, spec, here = V.body.tips[number], V.tip_specs[number], material.At(V.mesh, V.body.tips[number].point)
+        radius, limit = largest_disk(V.body, tip, material)
+        if spec.r1 > (1 + 1e-10) * radius:
+            raise ValueError(
+                f"ContactProblem: the disk r1 = {spec.r1:g} of the tip at {place(tip.point)} reaches {limit}, at {radius:g}; "
+                "give CrackFESpace(..., material=...), so that the disk ends before"
+            )
+        V.SetTipMaterial(number, here.kappa, here.mu)
+    if isinstance(V, CrackFESpace):
+        V.undecided = []
+
+
+FLAGS = ("orderinner", "print")
+NO_FLAGS = {
+    "complex": "the space is real",
+    "dim": "u has two components",
+    "definedon": "the space lives on the whole body; take a mesh of the body alone",
+    "dgjumps": "u is continuous off the cracks",
+    "autoupdate": "the cracks are located in one mesh",
+    "dirichlet_bbnd": "hold a vertex by problem.Pin(point, components)",
+}
+
+
+def check_flags(flags):
+    """Raises ValueError for a flag of NGSolve's spaces that makes no sense here, TypeError for any other name."""
+    for name, value in flags.items():
+        if name in NO_FLAGS and value:
+            raise ValueError(f"CrackFESpace: {name}={value!r} is not supported; {NO_FLAGS[name]}")
+        if name not in FLAGS and name not in NO_FLAGS:
+            allowed = ["order", "tip", "bubble", "dirichlet", "dirichletx", "dirichlety", "material", *FLAGS]
+            meant = get_close_matches(name, allowed, 1)
+            raise TypeError(
+                f"CrackFESpace: there is no argument {name!r}{f' (did you mean {meant[0]!r}?)' if meant else ''}; it takes body, {', '.join(allowed)}"
+            )
+
+
+def joined_names(pattern):
+    """One regular expression for a list of them; what is none is left to check_regions."""
+    return "|".join(pattern) if isinstance(pattern, (list, tuple)) and all(isinstance(name, str) for name in pattern) else pattern
+
+
+def is_nearly_incompressible(material):
+    """Whether a material, or None, is nearly incompressible."""
+    return material is not None and material.nearly_incompressible

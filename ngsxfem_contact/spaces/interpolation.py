@@ -1,0 +1,94 @@
+"""Functions of V_h from given ones: Definition 3.1 of [AHLMR12], and the L² projection."""
+
+import numpy as np
+from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunction, LinearForm, NodeId, VectorH1
+
+from ..algebra.elimination import Elimination
+from ..arguments import check_function
+from .unknowns import tip_unknowns
+
+
+def Interpolant(V, plus, minus=None, tips=()):
+    """Π_h u: a_i = û^{s_i}(y_i), b_i = (û⁺ - û⁻)(y_i), and given coefficients for the tip functions.
+
+    plus, minus: û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two
+        components; minus=None: no jump.    tips: for each tip the coefficients of its functions.
+    Returns a GridFunction. With several cracks the same pair is used at each.
+    Raises ValueError for functions that are not finite or have not two components, and for a wrong number of coefficients.
+    """
+    V.body.CheckMesh()
+    scalar = V.scalar_space.ndof
+    one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
+    u = GridFunction(V)
+    vec = u.vec.FV().NumPy()
+    sides = _own_sides(V)
+    for component in range(2):
+        of_plus, of_minus = (values[component * scalar : (component + 1) * scalar] for values in one_sided)
+        vec[component * scalar : (component + 1) * scalar] = np.where(sides > 0, of_plus, of_minus)
+        for j in range(V.num_heaviside):
+            dof, _ = V.Heaviside(j)
+            vec[V.HeavisideDof(j, component)] = of_plus[dof] - of_minus[dof]
+    for tip, coefficients in enumerate(tips):
+        dofs = V.TipDofs(tip)
+        if np.shape(coefficients) != (len(dofs),) or not np.isfinite(coefficients).all():
+            raise ValueError(f"Interpolant: tips[{tip}]={coefficients!r} are not {len(dofs)} finite numbers, one for each function at tip {tip}")
+        vec[dofs] = coefficients
+    return u
+
+
+def _smooth(V, function, name):
+    """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
+    plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
+    plain.Set(check_function(function, f"Interpolant: {name}", 2), dual=True)
+    return finite(plain.vec.FV().NumPy().copy(), f"Interpolant: {name}")
+
+
+def finite(values, name):
+    """The values; raises ValueError unless all are finite."""
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} is not finite (NaN or inf) somewhere in the body")
+    return values
+
+
+def _scalar_flags(V):
+    return {key: value for key, value in V.flags.ToDict().items() if key in ("order", "orderinner")}
+
+
+def _own_sides(V):
+    """+1 or -1 for each φ_i: the side of the larger part of its support, or of its node if it is not enriched."""
+    sides = np.ones(V.scalar_space.ndof, dtype=int)
+    points = np.array([vertex.point for vertex in V.mesh.vertices])
+    nodes = [(NodeId(VERTEX, v.nr), points[v.nr]) for v in V.mesh.vertices]
+    nodes += [(NodeId(EDGE, e.nr), points[[v.nr for v in e.vertices]].mean(axis=0)) for e in V.mesh.edges]
+    nodes += [(NodeId(CELL, el.nr), points[[v.nr for v in el.vertices]].mean(axis=0)) for el in V.mesh.Elements(VOL)]
+    for node, place in nodes:
+        dofs = list(V.scalar_space.GetDofNrs(node))
+        if dofs:
+            sides[dofs] = _side_of_nearest(V.body.cracks, tuple(place))
+    for j in range(V.num_heaviside):
+        dof, shift = V.Heaviside(j)
+        sides[dof] = shift
+    return sides
+
+
+def _side_of_nearest(cracks, point):
+    distance = lambda crack: np.hypot(*np.subtract(crack.PointAt(crack.ArcLength(point)), point))
+    nearest = cracks[0] if len(cracks) == 1 else min(cracks, key=distance)
+    return int(nearest.SideOf(point))
+
+
+def Projection(V, function, bonus_intorder=4):
+    """The L²(Ω∖Γ_C) projection onto V, a GridFunction.
+
+    V: CrackFESpace.    function: CoefficientFunction with two components, which may jump across the cracks.    bonus_intorder: of the
+    rule for it, default 4.    Raises ValueError for a function that is not finite or has not two components.
+    """
+    u, v = V.TnT()
+    mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
+    function = check_function(function, "Projection: function", 2)
+    load = finite(LinearForm(function * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec.FV().NumPy(), "Projection: function")
+    result = GridFunction(V)
+    everything = BitArray(V.ndof)
+    everything.Set()
+    result.vec.FV().NumPy()[:] = Elimination(mass, everything, tip_unknowns(V)).SolveRefined(load)
+    return result

@@ -1,0 +1,64 @@
+"""Heaviside functions that add nothing to a space but round-off (docs/conditioning.md)."""
+
+import numpy as np
+from ngsolve import BitArray
+
+from ..algebra.matrices import csr_view
+
+SLIVER = 1e-4  # of the energy of φ_i: only functions with less can be negligible
+BOUND = 1e-13  # of the energy of φ_i: what a negligible function adds to the span of the others
+
+
+def without_negligible(matrix, V, free):
+    """The free unknowns without those of negligible functions, a new BitArray."""
+    kept = BitArray(free)
+    for dof in negligible_functions(matrix, V, free):
+        kept.Clear(int(dof))
+    return kept
+
+
+def negligible_functions(matrix, V, free):
+    """Unknowns b_i whose function is a combination of others on the same sliver but for BOUND of the energy of φ_i.
+
+    A Gram-Schmidt elimination in the energy (matrix: an NGSolve matrix on V), from the largest functions to the
+    smallest. Without them the energy norm of an answer changes by at most √BOUND |b_i| ‖φ_i‖ for each, and they would
+    be pivots of round-off size.
+    """
+    A = csr_view(matrix)
+    energies = A.diagonal()
+    whole = energies_of_whole_functions(V, energies)
+    first = 2 * V.scalar_space.ndof
+    slivers = first + np.flatnonzero(energies[first : first + len(whole)] < SLIVER * whole)
+    slivers = np.array([dof for dof in slivers if free[int(dof)]], dtype=int)
+    if len(slivers) == 0:
+        return slivers
+    slivers = slivers[np.argsort(-energies[slivers], kind="stable")]
+    adds = added_energies(A[slivers][:, slivers].tocsr(), BOUND * whole[slivers - first])
+    return slivers[~adds]
+
+
+def energies_of_whole_functions(V, energies):
+    """That of φ_i for each unknown b_i, in the order of the unknowns."""
+    dofs = np.array([V.Heaviside(j)[0] for j in range(V.num_heaviside)], dtype=int)
+    return np.concatenate([energies[component * V.scalar_space.ndof + dofs] for component in range(2)])
+
+
+def added_energies(A, bounds):
+    """Whether each function adds more than its bound to the span of those before it that do."""
+    kept = np.zeros(A.shape[0], dtype=bool)
+    diagonal = A.diagonal()
+    for i in range(A.shape[0]):
+        row = slice(A.indptr[i], A.indptr[i + 1])
+        columns, coupling = A.indices[row], A.data[row]
+        coupling, columns = coupling[kept[columns]], columns[kept[columns]]
+        scale = 1 / np.sqrt(diagonal[columns])
+        block = A[columns][:, columns].toarray() * scale[:, None] * scale
+        kept[i] = diagonal[i] - projection_energy(block, scale * coupling) > bounds[i]
+    return kept
+
+
+def projection_energy(block, coupling, cutoff=1e-12):
+    """couplingᵀ block⁺ coupling."""
+    values, vectors = np.linalg.eigh(block) if len(block) else (np.zeros(0), np.zeros((0, 0)))
+    regular = values > cutoff
+    return float((((coupling @ vectors[:, regular]) ** 2) / values[regular]).sum())

@@ -1,0 +1,75 @@
+"""Warnings where the mesh is too coarse for a crack, so that an answer would look right and be wrong."""
+
+import numpy as np
+
+from ..errors import warn
+from .tip_disk import largest_disk
+
+CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
+
+
+def element_sizes(body, elements):
+    """The edges of equilateral triangles of the same areas."""
+    nodes = body.mesh.ngmesh.Elements2D().NumPy()["nodes"][list(elements), :3] - 1
+    a, b, c = np.moveaxis(body.mesh.ngmesh.Coordinates()[nodes, :2], 1, 0)
+    twice = np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    return np.sqrt(2 / np.sqrt(3) * twice)
+
+
+def size_at(body, tip):
+    """Of the largest element that carries a tip of body.tips."""
+    close = 1e-9 * body.cracks[tip.crack].length
+    return element_sizes(body, [at.element for at in body.Elements(tip.crack) if min(abs(s - tip.s) for s in at.arclength) <= close]).max()
+
+
+def warn_of_coarse(body, specs, material):
+    """Cracks of less than CRACK elements for each tip; at others tips whose functions reach less than DISK, and tips without functions less than ROOM elements from what is next."""
+    short = [number for number in range(len(body.cracks)) if warn_of_short_crack(body, number)]
+    for tip, spec in zip(body.tips, specs):
+        if tip.crack not in short:
+            warn_of_small_disk(body, tip, spec, material)
+
+
+def warn_of_short_crack(body, number):
+    """Returns whether it warned."""
+    crack, least = body.cracks[number], CRACK * sum(tip.crack == number for tip in body.tips)
+    size = np.median(element_sizes(body, [at.element for at in body.Elements(number)]))
+    if crack.length >= least * size:
+        return False
+    warn(
+        f"crack {number} at {place(crack.PointAt(0.5 * crack.length))} is {crack.length:.3g} long, {crack.length / size:.1f} elements: with less than {least} "
+        f"it opens too little, by up to 85 %; refine to h <= {crack.length / least:.2g} there"
+    )
+    return True
+
+
+def warn_of_small_disk(body, tip, spec, material):
+    """The room may be there, and r1 chosen smaller."""
+    size, (room, limit) = size_at(body, tip), largest_disk(body, tip, material if spec else None)
+    radius, least = (spec.r1, DISK) if spec else (room, ROOM)
+    if radius >= least * size:
+        return
+    chosen = radius < 0.5 * room
+    why = f"r1 = {radius:.3g}" if chosen else f"{limit}, at {room:.3g},"
+    remedy = f"choose r1 >= {min(least * size, 0.9 * room):.2g}" if chosen else f"refine to h <= {radius / least:.2g} there, or move what is in the way"
+    warn(
+        f"the tip at {place(tip.point)}: {why} leaves it {radius / size:.2g} elements of room; with less than {least} "
+        f"the fields at the tip and K are wrong by several percent or more, and reported errors may not show it; {remedy}"
+    )
+
+
+def warn_of_short_increment(body, tip, advance):
+    """Growth by less than INCREMENT elements; returns whether it warned."""
+    size = size_at(body, tip)
+    if advance >= 0.9 * INCREMENT * size:  # triangles of one mesh differ by as much
+        return False
+    warn(
+        f"CrackGrowth: an increment of {advance:.3g} at the tip {place(tip.point)} is {advance / size:.1f} elements: where the crack turns, a new part of less than {INCREMENT} "
+        f"leaves the tip's functions little room, and K is wrong by several percent; choose da >= {INCREMENT * size:.2g}, or refine to h <= {advance / INCREMENT:.2g} there"
+    )
+    return True
+
+
+def place(point):
+    """A point in a message."""
+    return f"({point[0]:.4g}, {point[1]:.4g})"

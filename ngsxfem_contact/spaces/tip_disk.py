@@ -1,0 +1,37 @@
+"""How large the disk of a tip's singular functions may be."""
+
+import numpy as np
+
+from ..material import RegionElasticity
+
+
+def largest_disk(body, tip, material=None):
+    """(radius, what limits it): the tip's clearance, and the distance to elements in which its functions would be wrong.
+
+    Those are curved elements, whose rules around a tip are made for straight triangles, and for the modes of a material
+    (material given) elements of another one. Zero if the tip itself lies on such an element.
+    """
+    limits = [(tip.clearance, tip.limit)]
+    if body.mesh.GetCurveOrder() > 1:
+        curved = body.mesh.ngmesh.Elements2D().NumPy()["curved"]
+        limits.append((distance(body.mesh, np.flatnonzero(curved), tip.point), "a curved element"))
+    if isinstance(material, RegionElasticity):
+        here = material.At(body.mesh, tip.point)
+        foreign = np.array([region != here for region in material.regions])
+        regions = body.mesh.ngmesh.Elements2D().NumPy()["index"] - 1
+        limits.append((distance(body.mesh, np.flatnonzero(foreign[regions]), tip.point), "another material, for which the modes are wrong"))
+    return min(limits, key=lambda limit: limit[0])
+
+
+def distance(mesh, elements, point):
+    """Of a point from some straight triangles; inf if there are none, 0 inside of one."""
+    if len(elements) == 0:
+        return np.inf
+    nodes = mesh.ngmesh.Elements2D().NumPy()["nodes"][elements, :3] - 1
+    corners = mesh.ngmesh.Coordinates()[nodes, :2] - np.asarray(point)
+    edges = np.roll(corners, -1, axis=1) - corners
+    t = np.clip(-(corners * edges).sum(axis=2) / (edges * edges).sum(axis=2), 0, 1)
+    to_edges = np.hypot(*np.moveaxis(corners + t[..., None] * edges, 2, 0)).min(axis=1)
+    turns = corners[..., 0] * edges[..., 1] - corners[..., 1] * edges[..., 0]
+    inside = (turns >= 0).all(axis=1) | (turns <= 0).all(axis=1)
+    return float(np.where(inside, 0, to_edges).min())

@@ -1,0 +1,1 @@
+"""The study of section 4 of [AHLMR12]."""
