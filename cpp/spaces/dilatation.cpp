@@ -181,8 +181,7 @@ namespace ngsxfem_contact
   }
 
   DilatationOp :: DilatationOp (Dilatation akind, Trace atrace, std::shared_ptr<const BodyRules> arules)
-    : DifferentialOperator(1, 1, VOL, 1), kind(akind), trace(atrace), rules(std::move(arules))
-  { SetDimensions(Array<int>()); }
+    : ScalarOperator(1), kind(akind), trace(atrace), rules(std::move(arules)) { }
 
   string DilatationOp :: Name () const { return (kind == Dilatation::Singular ? "singular" : "dilatation") + NameOf(trace); }
 
@@ -211,37 +210,6 @@ namespace ngsxfem_contact
       {
         for (size_t lane = 0; lane < width; lane++) dilatation.Evaluate(PointOf(mir, i*width+lane), trace, values.Row(lane));
         for (int j = 0; j < fel.GetNDof(); j++) mat(j, i) = SIMD<double>([&] (int lane) { return values(lane, j); });
-      }
-  }
-
-  void DilatationOp :: Apply (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, BareSliceVector<double> x,
-                              FlatVector<double> flux, LocalHeap & lh) const
-  {
-    HeapReset hr(lh);
-    FlatMatrix<double, ColMajor> mat(1, fel.GetNDof(), lh);
-    CalcMatrix(fel, mip, mat, lh);
-    flux = mat * x.Range(0, fel.GetNDof());
-  }
-
-  void DilatationOp :: Apply (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir,
-                              BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const
-  {
-    Matrix<SIMD<double>> mat(fel.GetNDof(), mir.Size());
-    CalcMatrix(fel, mir, mat);
-    flux.Row(0).Range(0, mir.Size()) = SIMD<double>(0.);
-    for (int j = 0; j < fel.GetNDof(); j++) flux.Row(0).Range(0, mir.Size()) += x(j) * mat.Row(j);
-  }
-
-  void DilatationOp :: AddTrans (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir,
-                                 BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const
-  {
-    Matrix<SIMD<double>> mat(fel.GetNDof(), mir.Size());
-    CalcMatrix(fel, mir, mat);
-    for (int j = 0; j < fel.GetNDof(); j++)
-      {
-        SIMD<double> sum(0.);
-        for (size_t i = 0; i < mir.Size(); i++) sum += mat(j, i) * flux(0, i);
-        x(j) += HSum(sum);
       }
   }
 }

@@ -3,12 +3,13 @@
 // part of an element, but for the singular divergence s of the tips' modes, D u = Π (div u - s) + s  (method.md, section 11).
 
 #include "spaces/diffops.hpp"
+#include "spaces/scalar_operator.hpp"
 
 namespace ngsxfem_contact
 {
   enum class Dilatation { Projected, Singular };     // D u = Π div u + (1 - Π) s, or (1 - Π) s alone
 
-  class DilatationOp : public ngfem::DifferentialOperator
+  class DilatationOp : public ScalarOperator
   {
     Dilatation kind;
     Trace trace;
@@ -20,17 +21,10 @@ namespace ngsxfem_contact
     string Name() const override;
     bool operator== (const ngfem::DifferentialOperator & other) const override;
 
-    using ngfem::DifferentialOperator::CalcMatrix, ngfem::DifferentialOperator::Apply, ngfem::DifferentialOperator::AddTrans;
-
+    using ScalarOperator::CalcMatrix;
     void CalcMatrix (const FiniteElement & fel, const ngfem::BaseMappedIntegrationPoint & mip,
                      BareSliceMatrix<double, ngfem::ColMajor> mat, LocalHeap & lh) const override;
     void CalcMatrix (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                      BareSliceMatrix<SIMD<double>> mat) const override;
-    void Apply (const FiniteElement & fel, const ngfem::BaseMappedIntegrationPoint & mip, BareSliceVector<double> x,
-                ngbla::FlatVector<double> flux, LocalHeap & lh) const override;
-    void Apply (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
-                BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const override;
-    void AddTrans (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
-                   BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const override;
   };
 }

@@ -1,4 +1,5 @@
 #include "spaces/trace_space.hpp"
+#include "spaces/scalar_operator.hpp"
 #include <algorithm>
 
 namespace ngsxfem_contact
@@ -123,13 +124,13 @@ namespace ngsxfem_contact
       return *new (alloc) SharedTraceElement (body.Cracks(), cut, parts);
     }
 
-    class TraceDiffOp : public DifferentialOperator
+    class TraceDiffOp : public ScalarOperator
     {
     public:
-      TraceDiffOp () : DifferentialOperator(1, 1, VOL, 0) { SetDimensions(Array<int>()); }
+      TraceDiffOp () : ScalarOperator(0) { }
       string Name () const override { return "Id"; }
       bool operator== (const DifferentialOperator & other) const override { return dynamic_cast<const TraceDiffOp*>(&other); }
-      using DifferentialOperator::CalcMatrix, DifferentialOperator::Apply, DifferentialOperator::AddTrans;
+      using ScalarOperator::CalcMatrix;
 
       void CalcMatrix (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, BareSliceMatrix<double,ColMajor> mat, LocalHeap & lh) const override
       {
@@ -155,30 +156,6 @@ namespace ngsxfem_contact
                 (IntegrationPoint(mir.IR()[i](0)[k], mir.IR()[i](1)[k], 0, 0), Point(x(i,0)[k], x(i,1)[k]), shapes.Row(k));
             for (int j = 0; j < fel.GetNDof(); j++)
               mat(j, i) = SIMD<double>([&] (int k) { return shapes(k, j); });
-          }
-      }
-
-      void Apply (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const override
-      {
-        Matrix<SIMD<double>> mat(fel.GetNDof(), mir.Size());
-        CalcMatrix(fel, mir, mat);
-        for (size_t i = 0; i < mir.Size(); i++)
-          {
-            SIMD<double> sum(0.);
-            for (int j = 0; j < fel.GetNDof(); j++) sum += x(j) * mat(j, i);
-            flux(0, i) = sum;
-          }
-      }
-
-      void AddTrans (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const override
-      {
-        Matrix<SIMD<double>> mat(fel.GetNDof(), mir.Size());
-        CalcMatrix(fel, mir, mat);
-        for (int j = 0; j < fel.GetNDof(); j++)
-          {
-            SIMD<double> sum(0.);
-            for (size_t i = 0; i < mir.Size(); i++) sum += mat(j, i) * flux(0, i);
-            x(j) += HSum(sum);
           }
       }
     };
