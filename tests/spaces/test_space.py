@@ -5,21 +5,7 @@ import pickle
 import numpy as np
 import pytest
 from helpers import array, basis_function, left_normal, matrix, on_crack, random_function, rectangle, structured, to_scipy, vector
-from ngsolve import (
-    CF,
-    H1,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    IfPos,
-    InnerProduct,
-    Integrate,
-    LinearForm,
-    TaskManager,
-    VoxelCoefficient,
-    x,
-    y,
-)  # fmt: skip
+from ngsolve import CF, H1, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, TaskManager, VoxelCoefficient, x, y  # fmt: skip
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Gradient, Jump, Minus, Plus, Strain, TipEnrichment
 from ngsxfem_contact import _ngsxfem_contact as core
