@@ -32,7 +32,4 @@ class CMakeBuild(build_ext):
         subprocess.check_call(["cmake", "--install", build, "--prefix", str(prefix)])
 
 
-setup(
-    ext_modules=[Extension("ngsxfem_contact._ngsxfem_contact", sources=[])],
-    cmdclass={"build_ext": CMakeBuild},
-)
+setup(ext_modules=[Extension("ngsxfem_contact._ngsxfem_contact", sources=[])], cmdclass={"build_ext": CMakeBuild})

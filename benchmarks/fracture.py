@@ -12,22 +12,10 @@ import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, ngsglobals, x
 
-from ngsxfem_contact import (
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    CrackGrowth,
-    GivenIncrement,
-    MaximumHoopStress,
-    TipEnrichment,
-    TraceSpace,
-    Tresca,
-    WingCracks,
-)
+from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
+from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, WingCracks
 from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 
 PSI = np.radians(40)  # of the load's axis from the crack

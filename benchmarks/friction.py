@@ -9,7 +9,8 @@ import numpy as np
 from closed_forms import report
 from ngsolve import TaskManager, ngsglobals
 
-from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, FixedPoint, Nitsche, TipEnrichment, TraceSpace, Tresca
+from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, Nitsche, TipEnrichment, TraceSpace, Tresca
+from ngsxfem_contact.algebra import FixedPoint
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
 

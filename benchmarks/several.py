@@ -11,7 +11,8 @@ import numpy as np
 from bodies import boundary_segments, random_crack, random_mesh, ray_to_boundary
 from ngsolve import CF, ngsglobals, sin, x, y
 
-from ngsxfem_contact import Coercivity, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
+from ngsxfem_contact.contact import Coercivity
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.study.paper import MATERIAL, PAIRS
 

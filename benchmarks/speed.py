@@ -22,19 +22,7 @@ from time import perf_counter
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from ngsolve import (
-    BilinearForm,
-    Grad,
-    InnerProduct,
-    LinearForm,
-    Mesh,
-    SetNumThreads,
-    Sym,
-    TaskManager,
-    VectorH1,
-    dx,
-    ngsglobals,
-)  # fmt: skip
+from ngsolve import BilinearForm, Grad, InnerProduct, LinearForm, Mesh, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals  # fmt: skip
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact._ngsxfem_contact import CrackBilinearForm

@@ -7,7 +7,8 @@ import argparse
 
 from ngsolve import TaskManager, ngsglobals
 
-from ngsxfem_contact import BarbosaHughes, Coercivity, TipEnrichment
+from ngsxfem_contact import BarbosaHughes, TipEnrichment
+from ngsxfem_contact.contact import Coercivity
 from ngsxfem_contact.study.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
 
 TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(functions="branch"), "none": None}

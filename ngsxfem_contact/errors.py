@@ -3,6 +3,8 @@
 import sys
 import warnings
 
+__all__ = ["AccuracyWarning", "NotCoercive", "NotConverged", "SingularSystem", "SolveError"]
+
 
 class SolveError(RuntimeError):
     """There is no answer that can be trusted: what all exceptions of a solve have in common."""

@@ -8,6 +8,8 @@ from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace, sqrt
 
 from .arguments import INFINITY, check_number, check_type
 
+__all__ = ["Elasticity"]
+
 LEAST, MOST = 1e-100, 1e100  # of moduli: squares and quotients of them are numbers
 
 

@@ -10,6 +10,10 @@ from dataclasses import dataclass
 
 from ngsolve import Grad, InnerProduct, Sym
 
+from ._ngsxfem_contact import Variation
+
+__all__ = ["Gradient", "Jump", "Minus", "NormalGap", "NormalStress", "Plus", "Slip", "Strain", "TangentialStress", "Variation"]
+
 SIDES = ("plus", "minus", "larger")
 
 

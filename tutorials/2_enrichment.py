@@ -16,7 +16,8 @@ import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.pictures.plotting import plot_mesh
+from ngsxfem_contact.geometry import ElementKind
+from ngsxfem_contact.pictures import plot_mesh
 from ngsxfem_contact.pictures.split_mesh import SplitMesh
 
 geometry = SplineGeometry()

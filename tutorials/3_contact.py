@@ -10,7 +10,7 @@ import numpy as np
 from ngsolve import *
 from ngsxfem_contact import *
 from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh
-from ngsxfem_contact.pictures.plotting import plot_profile
+from ngsxfem_contact.pictures import plot_profile
 from scipy.sparse import bmat, csr_matrix
 from scipy.sparse.linalg import spsolve
 

@@ -12,6 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ngsolve import *
 from ngsxfem_contact import *
+from ngsxfem_contact.contact import Coercivity
+from ngsxfem_contact.errors import NotCoercive, SingularSystem
 from ngsxfem_contact.study.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
 
 reference = paper_problem(unstructured_mesh(h=0.016)).Solve().Profile(n=4001)

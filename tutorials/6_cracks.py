@@ -10,7 +10,7 @@ import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.pictures.plotting import plot_body, plot_mesh, plot_profile
+from ngsxfem_contact.pictures import plot_body, plot_mesh, plot_profile
 from ngsxfem_contact.study.shapes import SHAPES, body_mesh, deviations, shape_problem
 
 geometry = SplineGeometry()

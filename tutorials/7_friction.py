@@ -16,9 +16,10 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
+from ngsxfem_contact.algebra import FixedPoint, FullNewton
 from ngsxfem_contact.exact import closed_forms
 from ngsxfem_contact.study.paper import FRICTION_REFERENCE, paper_problem, unstructured_mesh
-from ngsxfem_contact.pictures.plotting import plot_profile
+from ngsxfem_contact.pictures import plot_profile
 
 # %% [markdown]
 # ## The paper's problem with friction

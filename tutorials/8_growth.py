@@ -10,10 +10,11 @@ import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
+from ngsxfem_contact.fracture import GivenIncrement, WingCracks
 from ngsxfem_contact.exact import closed_forms
 from ngsxfem_contact.exact import fracture_solutions
 from ngsxfem_contact.study.paper import REFERENCE, paper_problem, unstructured_mesh
-from ngsxfem_contact.pictures.plotting import plot_body
+from ngsxfem_contact.pictures import plot_body
 
 material, a = Elasticity(lam=1, mu=1), 0.25
 mesh = closed_forms.rotated_square(0.4, (0.02, -0.03), 0.03)

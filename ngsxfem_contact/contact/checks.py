@@ -28,10 +28,7 @@ def check_gap(system):
 
 def check_load(F, given, who=""):
     """Raises ValueError for a load or given displacements, arrays, that are not finite.  who: begins the message."""
-    for values, what, where in (
-        (F, "the load `f`", "its coefficient functions on the whole body"),
-        (given, "a given displacement", "Pin and SetDirichlet"),
-    ):
+    for values, what, where in ((F, "the load `f`", "its coefficient functions on the whole body"), (given, "a given displacement", "Pin and SetDirichlet")):
         if not np.isfinite(values).all():
             raise ValueError(f"{who}{what} is not finite (NaN or inf): check {where}")
 

@@ -64,13 +64,7 @@ class Pair:
     bubble: bool = False
 
 
-PAIRS = {
-    "P2/P1": Pair(2, 1),
-    "P2/P0": Pair(2, 0),
-    "P1+/P1": Pair(1, 1, bubble=True),
-    "P1/P1": Pair(1, 1),
-    "P1/P0": Pair(1, 0),
-}
+PAIRS = {"P2/P1": Pair(2, 1), "P2/P0": Pair(2, 0), "P1+/P1": Pair(1, 1, bubble=True), "P1/P1": Pair(1, 1), "P1/P0": Pair(1, 0)}
 
 
 def unstructured_mesh(h):

@@ -84,8 +84,4 @@ def deviations(name, solution):
     shape = SHAPES[name]
     force = max(abs(solution.ContactForce(c) / exact - 1) for c, exact in enumerate(shape.contact_force))
     K = [abs(k - e) for tip, exact in enumerate(shape.K) for k, e in zip(solution.StressIntensity(tip), exact)]
-    return {
-        "energy": abs(solution.Energy() / shape.energy - 1),
-        "contact_force": force,
-        "K": max(K) / max(abs(k) for exact in shape.K for k in exact),
-    }
+    return {"energy": abs(solution.Energy() / shape.energy - 1), "contact_force": force, "K": max(K) / max(abs(k) for exact in shape.K for k in exact)}

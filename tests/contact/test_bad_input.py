@@ -77,8 +77,7 @@ def test_a_crack_that_leaves_through_a_notch():
 
 
 @pytest.mark.parametrize(
-    "mesh, message",
-    [(MakeStructured2DMesh(quads=True, nx=3, ny=3), "is not a triangle; .*quad_dominated=False"), (MakeStructured3DMesh(nx=1), "dimension 3")],
+    "mesh, message", [(MakeStructured2DMesh(quads=True, nx=3, ny=3), "is not a triangle; .*quad_dominated=False"), (MakeStructured3DMesh(nx=1), "dimension 3")]
 )
 def test_meshes_that_are_not_plane_triangles(mesh, message):
     with refused(message):
@@ -212,8 +211,7 @@ def test_materials(lam, mu):
 
 @pytest.mark.parametrize("basis", ["nodal", "trace"])
 @pytest.mark.parametrize(
-    "nodes",
-    [[0, 0.3], [0.1, LENGTH], [0, 0.3, 0.2, LENGTH], [0, 0.3, 0.3, LENGTH], [0, NAN, LENGTH], [LENGTH, 0], [0], [], [[0, LENGTH], [0, LENGTH]]],
+    "nodes", [[0, 0.3], [0.1, LENGTH], [0, 0.3, 0.2, LENGTH], [0, 0.3, 0.3, LENGTH], [0, NAN, LENGTH], [LENGTH, 0], [0], [], [[0, LENGTH], [0, LENGTH]]]
 )
 def test_nodes_of_multipliers(nodes, basis):
     with refused("nodes"):

@@ -5,31 +5,12 @@ from math import inf, nan
 import pytest
 from ngsolve import CF, L2, GridFunction, Mesh, SetNumThreads, x, y
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    BothSides,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackFESpace,
-    CrackGrowth,
-    Elasticity,
-    FixedPoint,
-    FullNewton,
-    GivenIncrement,
-    InfSup,
-    InteractionIntegral,
-    Interpolant,
-    JumpExtrapolation,
-    LoadCase,
-    LoadSteps,
-    Nitsche,
-    Paris,
-    Projection,
-    TraceSpace,
-    Tresca,
-)
-from ngsxfem_contact.pictures.plotting import plot_body, plot_profile
+from ngsxfem_contact import Crack, CrackFESpace, CrackGrowth, Elasticity, TraceSpace
+from ngsxfem_contact.algebra import FixedPoint, FullNewton
+from ngsxfem_contact.contact import BarbosaHughes, BothSides, ContactProblem, Coulomb, InfSup, LoadCase, LoadSteps, Nitsche, Tresca
+from ngsxfem_contact.fracture import GivenIncrement, InteractionIntegral, JumpExtrapolation, Paris
+from ngsxfem_contact.pictures import plot_body, plot_profile
+from ngsxfem_contact.spaces import Interpolant, Projection
 from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose

@@ -13,25 +13,11 @@ from helpers import array, matrix, on_crack, vector
 from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, IfPos, InnerProduct, Integrate, Mesh, SetNumThreads, Sym, Trace, x, y
 from scipy.linalg import eigh
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    Coercivity,
-    ContactProblem,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    InfSup,
-    Jump,
-    NotCoercive,
-    NotConverged,
-    SingularSystem,
-    Strain,
-    TipEnrichment,
-    TraceSpace,
-)  # fmt: skip
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Strain, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra.active_set import descend, solve_active_set
 from ngsxfem_contact.algebra.matrices import to_scipy
+from ngsxfem_contact.contact import Coercivity, InfSup
+from ngsxfem_contact.errors import NotCoercive, NotConverged, SingularSystem
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.loads.mouths import mouth_weight
 from ngsxfem_contact.spaces.trace_space import mass_matrix

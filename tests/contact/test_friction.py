@@ -7,27 +7,8 @@ import pytest
 from helpers import array, matrix
 from ngsolve import CF, BilinearForm, Id, IfPos, InnerProduct, Integrate, Parameter, SetNumThreads, Trace, sin, x, y
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    Coercivity,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    FixedPoint,
-    FullNewton,
-    Jump,
-    LoadSteps,
-    NotCoercive,
-    NotConverged,
-    Slip,
-    Strain,
-    TipEnrichment,
-    TraceSpace,
-    Tresca,
-)  # fmt: skip
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Slip, Strain, TipEnrichment, TraceSpace
+from ngsxfem_contact.algebra import FixedPoint, FullNewton
 from ngsxfem_contact.algebra.matrices import to_scipy
 from ngsxfem_contact.algebra.nodal_newton import (
     FREE,
@@ -42,8 +23,10 @@ from ngsxfem_contact.algebra.nodal_newton import (
     uniqueness_number,
     violation,
 )  # fmt: skip
+from ngsxfem_contact.contact import BarbosaHughes, Coercivity, ContactProblem, Coulomb, LoadSteps, Tresca
 from ngsxfem_contact.contact.report import contraction
 from ngsxfem_contact.contact.solver import ReducedProblem
+from ngsxfem_contact.errors import NotCoercive, NotConverged
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, PAIRS, TRACTION, paper_problem, unstructured_mesh
 

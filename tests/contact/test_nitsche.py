@@ -6,29 +6,14 @@ from helpers import array, random_function
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, SetNumThreads
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    Nitsche,
-    NormalGap,
-    NormalStress,
-    NotCoercive,
-    Slip,
-    Strain,
-    TangentialStress,
-    TipEnrichment,
-    TraceSpace,
-    Tresca,
-)  # fmt: skip
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, NormalGap, Slip, Strain, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra.matrices import to_scipy
+from ngsxfem_contact.contact import BarbosaHughes, ContactProblem, Coulomb, Nitsche, Tresca
 from ngsxfem_contact.contact.contact_system import stiffness_form
 from ngsxfem_contact.contact.nitsche import CrackPoints, add_to, rule
+from ngsxfem_contact.errors import NotCoercive
 from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.operators import NormalStress, TangentialStress
 from ngsxfem_contact.study.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads

@@ -7,22 +7,10 @@ import pytest
 from helpers import rectangle
 from ngsolve import CF, SetNumThreads, x
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    BothSides,
-    ContactProblem,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    LoadSteps,
-    Nitsche,
-    NotCoercive,
-    SingularSystem,
-    TipEnrichment,
-    TraceSpace,
-)  # fmt: skip
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, Nitsche, TipEnrichment, TraceSpace
+from ngsxfem_contact.contact import BothSides
 from ngsxfem_contact.contact.solver import STEP_OPTIONS
+from ngsxfem_contact.errors import NotCoercive, SingularSystem
 
 SetNumThreads(1)
 

@@ -8,8 +8,9 @@ import pytest
 from ngsolve import SetNumThreads
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngsxfem_contact import ConditionNumber, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra.active_set import descend, solve_active_set
+from ngsxfem_contact.contact import ConditionNumber
 from ngsxfem_contact.spaces.negligible import negligible_functions
 from ngsxfem_contact.study.paper import MATERIAL, PAIRS
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from ngsolve import SetNumThreads
 
-from ngsxfem_contact import Coulomb, FixedPoint, LoadSteps, Nitsche
+from ngsxfem_contact import Coulomb, LoadSteps, Nitsche
+from ngsxfem_contact.algebra import FixedPoint
 from ngsxfem_contact.contact.report import Report
 from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh
 

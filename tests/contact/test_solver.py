@@ -9,26 +9,13 @@ from helpers import array
 from ngsolve import CF, BilinearForm, BitArray, Grad, InnerProduct, LinearForm, SetNumThreads, VectorH1, dx
 from scipy.sparse import random_array, vstack
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    ContactProblem,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    LoadCase,
-    LoadSteps,
-    NotCoercive,
-    NotConverged,
-    SingularSystem,
-    TipEnrichment,
-    TraceSpace,
-)  # fmt: skip
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadCase, LoadSteps, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra import pardiso
 from ngsxfem_contact.algebra.active_set import coarse_start, solve_active_set
 from ngsxfem_contact.algebra.elimination import BackSubstitution, Elimination, PartialFactorisation, default_inverse
 from ngsxfem_contact.algebra.matrices import to_scipy
 from ngsxfem_contact.contact.solver import ReducedProblem
+from ngsxfem_contact.errors import NotCoercive, NotConverged, SingularSystem
 from ngsxfem_contact.spaces.unknowns import tip_unknowns
 from ngsxfem_contact.study.paper import PAIRS, paper_problem, unstructured_mesh
 
@@ -39,11 +26,7 @@ MESH = unstructured_mesh(0.06)
 FINER = unstructured_mesh(0.03)
 needs_mkl = pytest.mark.skipif(not pardiso.is_available(), reason="MKL is not installed (pip install mkl)")
 INVERSES = ["sparsecholesky", "umfpack", pytest.param("pardiso", marks=needs_mkl)]
-TIPS = {
-    "modes": TipEnrichment(material=MATERIAL, r1=0.3),
-    "branch": TipEnrichment(r1=0.3),
-    "none": None,
-}
+TIPS = {"modes": TipEnrichment(material=MATERIAL, r1=0.3), "branch": TipEnrichment(r1=0.3), "none": None}
 
 
 def close(ours, theirs, tolerance=1e-9):

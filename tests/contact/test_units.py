@@ -7,19 +7,7 @@ import pytest
 from helpers import rectangle
 from ngsolve import CF, Mesh, SetNumThreads, x
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    Nitsche,
-    TipEnrichment,
-    TraceSpace,
-    Tresca,
-)
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.algebra import pardiso
 from ngsxfem_contact.algebra.elimination import Elimination
 from ngsxfem_contact.contact.checks import Coercivity

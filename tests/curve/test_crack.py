@@ -5,7 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from ngsxfem_contact import Crack, Side
+from ngsxfem_contact import Crack
+from ngsxfem_contact.geometry import Side
 
 
 def test_the_plus_side_lies_to_the_left_of_the_direction_of_travel():

@@ -9,7 +9,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from ngsolve import H1, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, specialcf, sqrt, x, y
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Side, Strain, TipEnrichment
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Strain, TipEnrichment
+from ngsxfem_contact.geometry import Side
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

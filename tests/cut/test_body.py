@@ -7,7 +7,8 @@ from netgen.meshing import Element1D, Element2D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, Integrate, LinearForm, Mesh, VectorH1, ds, sqrt, x, y
 
-from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Interpolant, Strain, TipEnrichment, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Strain, TipEnrichment, TraceSpace
+from ngsxfem_contact.spaces import Interpolant
 
 MATERIAL = Elasticity.PlaneStrain(E=1e3, nu=0.3)
 TIP = (0.53, 0.41)

@@ -8,22 +8,8 @@ import pytest
 from helpers import on_crack, random_function, rectangle, structured
 from ngsolve import CF, InnerProduct, Integrate, x, y
 
-from ngsxfem_contact import (  # fmt: skip
-    BarbosaHughes,
-    Coercivity,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    Jump,
-    Minus,
-    Nitsche,
-    Plus,
-    TipEnrichment,
-    TraceSpace,
-)
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, TipEnrichment, TraceSpace
+from ngsxfem_contact.contact import BarbosaHughes, Coercivity, ContactProblem, Coulomb, Nitsche
 from ngsxfem_contact.pictures.split_mesh import SplitMesh
 from ngsxfem_contact.study.paper import PAIRS
 
@@ -203,9 +189,7 @@ def test_pictures_show_every_crack_open(body):
 
 
 @pytest.mark.parametrize(
-    "second",
-    [Crack([(0, 0.4401), (1, 0.4401)]), Crack.Arc((0.2, 0.452), (0.33, 0.4442), (0.46, 0.452))],
-    ids=["a thin ligament", "a tangent"],
+    "second", [Crack([(0, 0.4401), (1, 0.4401)]), Crack.Arc((0.2, 0.452), (0.33, 0.4442), (0.46, 0.452))], ids=["a thin ligament", "a tangent"]
 )
 def test_cracks_too_close_for_the_mesh_are_refused_with_the_place(second):
     with pytest.raises(Exception, match=r"cracks 0 and 1 meet the same element near \(.*refine the mesh there"):

@@ -7,7 +7,8 @@ import pytest
 from helpers import moment, rectangle, structured, vertices
 from ngsolve import Integrate, Mesh
 
-from ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind
+from ngsxfem_contact import Crack, CrackedMesh
+from ngsxfem_contact.geometry import ElementKind, EndKind
 
 FLAGS = ("through_vertex", "along_edge", "tip_on_edge", "tip_on_vertex", "kink_inside")
 
@@ -35,13 +36,7 @@ PLACES = {
     "along edges": ([(0, 0.5), (1, 0.5)], ["Mouth", "Mouth"], dict(Aligned=4), dict(along_edge=4, through_vertex=4), 0),
     "along a diagonal": ([(0, 1), (1, 0)], ["Mouth", "Mouth"], dict(Aligned=4), dict(along_edge=4, through_vertex=4), 0),
     "tip on an edge": ([(0, 0.4), (0.5, 0.4)], ["Mouth", "Tip"], dict(Cut=4), dict(tip_on_edge=1), 1),
-    "tip in an aligned edge": (
-        [(0, 0.5), (0.6, 0.5)],
-        ["Mouth", "Tip"],
-        dict(Aligned=3),
-        dict(along_edge=3, through_vertex=3, tip_on_edge=1),
-        0,
-    ),
+    "tip in an aligned edge": ([(0, 0.5), (0.6, 0.5)], ["Mouth", "Tip"], dict(Aligned=3), dict(along_edge=3, through_vertex=3, tip_on_edge=1), 0),
     "tip on a vertex": ([(0, 0.4), (0.5, 0.5)], ["Mouth", "Tip"], dict(Cut=4), dict(through_vertex=1, tip_on_vertex=1), 1),
     "kink inside": ([(0, 0.4), (0.3, 0.43), (0.6, 0.3)], ["Mouth", "Tip"], dict(Cut=4, Tip=1), dict(kink_inside=1), 1),
     "mouth at a vertex": ([(0, 0.25), (0.6, 0.4)], ["Mouth", "Tip"], dict(Cut=5), dict(through_vertex=1, tip_on_edge=1), 0),

@@ -5,7 +5,8 @@ import pytest
 from helpers import rectangle, structured
 from ngsolve import CF, Integrate, x, y
 
-from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Side, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact.geometry import Side
 
 MATERIAL = Elasticity.PlaneStrain(E=1e3, nu=0.3)
 

@@ -9,7 +9,8 @@ from netgen.geom2d import SplineGeometry
 from netgen.occ import Axis, Circle, Glue, MoveTo, OCCGeometry, Rectangle, X, Y, Z
 from ngsolve import BND, CF, GridFunction, Integrate, LinearForm, Mesh, specialcf, x, y
 
-from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, EndKind, TipEnrichment, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact.geometry import EndKind
 from ngsxfem_contact.pictures.split_mesh import SplitMesh
 
 MATERIAL = Elasticity.PlaneStrain(E=100, nu=0.3)

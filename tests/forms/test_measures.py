@@ -4,25 +4,10 @@ import ngsolve
 import numpy as np
 import pytest
 from helpers import array, matrix, random_function, rectangle, structured, vector
-from ngsolve import (
-    CF,
-    H1,
-    BilinearForm,
-    BitArray,
-    Grad,
-    InnerProduct,
-    Integrate,
-    LinearForm,
-    Mesh,
-    TaskManager,
-    ds,
-    dx,
-    sin,
-    x,
-    y,
-)  # fmt: skip
+from ngsolve import CF, H1, BilinearForm, BitArray, Grad, InnerProduct, Integrate, LinearForm, Mesh, TaskManager, ds, dx, sin, x, y  # fmt: skip
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, Side, TipEnrichment, TraceSpace, Variation
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, TipEnrichment, TraceSpace, Variation
+from ngsxfem_contact.geometry import Side
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

@@ -9,22 +9,10 @@ from netgen.geom2d import SplineGeometry
 from netgen.meshing import MeshingParameters
 from ngsolve import CF, InnerProduct, LinearForm, Mesh, x, y
 
-from ngsxfem_contact import (
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    InteractionIntegral,
-    LoadSteps,
-    Minus,
-    Plus,
-    TipEnrichment,
-    TraceSpace,
-    Tresca,
-)
+from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, LoadSteps, Minus, Plus, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
+from ngsxfem_contact.fracture import InteractionIntegral
 from ngsxfem_contact.fracture.tip_fields import TipFrame, half_angle
 from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 

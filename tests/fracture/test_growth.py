@@ -9,21 +9,10 @@ import pytest
 from helpers import rectangle
 from ngsolve import CF, x
 
-from ngsxfem_contact import (
-    AccuracyWarning,
-    ContactProblem,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    CrackGrowth,
-    GivenIncrement,
-    MaximumHoopStress,
-    Paris,
-    TipEnrichment,
-    TraceSpace,
-    WingCracks,
-)
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, CrackGrowth, TipEnrichment, TraceSpace
+from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.exact import fracture_solutions as fs
+from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, Paris, WingCracks
 from ngsxfem_contact.fracture.growth import extended
 from ngsxfem_contact.fracture.stress_intensity import is_closed
 from ngsxfem_contact.study.paper import MATERIAL

@@ -27,24 +27,8 @@ from ngsolve import (
     y,
 )
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    BothSides,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    Jump,
-    LoadCase,
-    LoadSteps,
-    Minus,
-    Nitsche,
-    Plus,
-    TipEnrichment,
-    TraceSpace,
-)
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, TipEnrichment, TraceSpace
+from ngsxfem_contact.contact import BarbosaHughes, BothSides, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.exact.closed_forms import open_tip
 from ngsxfem_contact.operators import NormalGap

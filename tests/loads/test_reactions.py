@@ -6,21 +6,9 @@ from helpers import rectangle
 from netgen.geom2d import SplineGeometry
 from ngsolve import BND, CF, IfPos, Integrate, Mesh, x, y
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    Jump,
-    LoadSteps,
-    Nitsche,
-    SingularSystem,
-    TipEnrichment,
-    TraceSpace,
-)
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, TipEnrichment, TraceSpace
+from ngsxfem_contact.contact import BarbosaHughes, ContactProblem, Coulomb, LoadSteps, Nitsche
+from ngsxfem_contact.errors import SingularSystem
 
 MATERIAL = Elasticity.PlaneStrain(E=3, nu=0.3)
 MESH = rectangle(0.3)

@@ -7,21 +7,9 @@ from netgen.meshing import Element1D, Element2D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, CF, IfPos, Integrate, Mesh, VectorH1, sqrt, x, y
 
-from ngsxfem_contact import (
-    BarbosaHughes,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    LoadCase,
-    LoadSteps,
-    Nitsche,
-    SingularSystem,
-    TipEnrichment,
-    TraceSpace,
-)
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact.contact import BarbosaHughes, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche
+from ngsxfem_contact.errors import SingularSystem
 
 NU = 0.25
 MATERIAL = Elasticity.PlaneStrain(E=2, nu=NU)

@@ -89,8 +89,7 @@ def test_help(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "options",
-    ["--h 0", "--h -1", "--h 0.6", "--h nan", "--h small", "--pair P3/P1", "--load D", "--gamma0 0.1 --unstabilised", "--verbose"],
+    "options", ["--h 0", "--h -1", "--h 0.6", "--h nan", "--h small", "--pair P3/P1", "--load D", "--gamma0 0.1 --unstabilised", "--verbose"]
 )
 def test_bad_options(options, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -5,8 +5,9 @@ from time import sleep
 
 import pytest
 
-from ngsxfem_contact import GivenIncrement, progress
 from ngsxfem_contact import __main__ as cli
+from ngsxfem_contact import progress
+from ngsxfem_contact.fracture import GivenIncrement
 from ngsxfem_contact.fracture.growth import CrackGrowth
 from ngsxfem_contact.progress import doing
 from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh

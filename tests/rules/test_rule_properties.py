@@ -6,7 +6,8 @@ from helpers import moment, rectangle, structured, vertices
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from ngsxfem_contact import Crack, CrackedMesh, Side
+from ngsxfem_contact import Crack, CrackedMesh
+from ngsxfem_contact.geometry import Side
 
 some = settings(max_examples=15, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])  # no test asks for a time
 MESHES = {"unstructured": rectangle(0.12), "structured": structured(6)}

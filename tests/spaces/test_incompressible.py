@@ -5,19 +5,9 @@ import pytest
 from helpers import random_function, rectangle
 from ngsolve import CF, Grad, Integrate, Trace, x, y
 
-from ngsxfem_contact import (
-    AccuracyWarning,
-    BarbosaHughes,
-    ContactProblem,
-    Coulomb,
-    Crack,
-    CrackedMesh,
-    CrackFESpace,
-    Elasticity,
-    Nitsche,
-    TraceSpace,
-)
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, TraceSpace
 from ngsxfem_contact.contact.nitsche import CrackPoints, component_rows
+from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.operators import NORMAL
 from ngsxfem_contact.spaces.incompressible import stress
 from ngsxfem_contact.spaces.interpolation import Interpolant

@@ -5,7 +5,8 @@ import pytest
 from helpers import array, random_function, rectangle, vector
 from ngsolve import CF, IfPos, InnerProduct, Integrate, sin, x, y
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Interpolant, Projection, TipEnrichment
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, TipEnrichment
+from ngsxfem_contact.spaces import Interpolant, Projection
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

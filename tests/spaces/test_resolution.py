@@ -9,7 +9,8 @@ from helpers import rectangle
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh
 
-from ngsxfem_contact import AccuracyWarning, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact.errors import AccuracyWarning
 
 STEEL, WOOD = Elasticity.PlaneStrain(E=2, nu=0.3), Elasticity.PlaneStrain(E=1, nu=0.2)
 

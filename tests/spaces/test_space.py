@@ -5,24 +5,11 @@ import pickle
 import numpy as np
 import pytest
 from helpers import array, basis_function, left_normal, matrix, on_crack, random_function, rectangle, structured, to_scipy, vector
-from ngsolve import (
-    CF,
-    H1,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    IfPos,
-    InnerProduct,
-    Integrate,
-    LinearForm,
-    TaskManager,
-    VoxelCoefficient,
-    x,
-    y,
-)  # fmt: skip
+from ngsolve import CF, H1, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, TaskManager, VoxelCoefficient, x, y  # fmt: skip
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Gradient, Jump, Minus, Plus, Strain, TipEnrichment
+from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, Strain, TipEnrichment
 from ngsxfem_contact import _ngsxfem_contact as core
+from ngsxfem_contact.operators import Gradient
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

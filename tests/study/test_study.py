@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from ngsolve import Integrate, SetNumThreads
 
-from ngsxfem_contact import BarbosaHughes, BothSides, NormalGap, NotCoercive
+from ngsxfem_contact import BarbosaHughes, NormalGap
+from ngsxfem_contact.contact import BothSides
+from ngsxfem_contact.errors import NotCoercive
 from ngsxfem_contact.files import UnreadableFile, only_one
 from ngsxfem_contact.study.paper import MATERIAL, paper_problem
 from ngsxfem_contact.study.study import ErrorMeasure, Reference, Study, oscillation, read_records, reference_solution, structured_mesh
