@@ -2,9 +2,12 @@
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from ngsolve import BilinearForm, GridFunction, LinearForm, Mesh
+from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Mesh
 from ngsolve.meshes import MakeStructured2DMesh
 from scipy.sparse import csr_matrix
+
+from ngsxfem_contact import ContactProblem, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact.exact import closed_forms as cf
 
 
 def rectangle(maxh, lower=(0, 0), upper=(1, 1)):
@@ -88,3 +91,26 @@ def on_crack(body, s, crack=0):
     from ngsxfem_contact.points import crack_points
 
     return crack_points(body, crack, s)
+
+
+MATERIAL = Elasticity(lam=1, mu=1)
+OFFSET = (0.03, -0.02)  # of the rotated square
+
+
+def rotated_problem(exact, orders, maxh, angle=0.41, tip=None, through=False, **options):
+    """Exact displacement on the boundary of a rotated square, crack from a mouth to the origin or through the body."""
+    start, end = cf.mouths(angle, OFFSET)
+    body = CrackedMesh(cf.rotated_square(angle, OFFSET, maxh), cf.crack_on_axis(start, end if through else 0))
+    V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip, dirichlet="outer")
+    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, **options)
+    problem.SetDirichlet(exact.u, "outer")
+    return problem
+
+
+def pull(problem, upper, stress=1.0):
+    """σ_yy = stress at the top and the bottom of a rectangle that is symmetric to y = 0, with its upper right corner."""
+    v = problem.V.TestFunction()
+    problem.f += CF((0, stress)) * v * problem.body.ds("top") + CF((0, -stress)) * v * problem.body.ds("bottom")
+    problem.Pin((upper[0], -upper[1]), "xy")
+    problem.Pin(upper, "x")
+    return problem

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import array, matrix, on_crack, vector
+from helpers import MATERIAL, OFFSET, array, matrix, on_crack, rotated_problem, vector
 from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, IfPos, InnerProduct, Integrate, Mesh, SetNumThreads, Sym, Trace, x, y
 from scipy.linalg import eigh
 
@@ -25,20 +25,7 @@ from ngsxfem_contact.study.paper import PAIRS, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 
-MATERIAL = Elasticity(lam=1, mu=1)
-OFFSET = (0.03, -0.02)
 DATA = Path(__file__).parents[1] / "data"
-
-
-def rotated_problem(exact, pair, angle, maxh, through=False, tip=None, stabilisation=BarbosaHughes()):
-    """Exact displacement on the boundary of a rotated square, crack from a mouth to the origin or through the body."""
-    start, end = cf.mouths(angle, OFFSET)
-    body = CrackedMesh(cf.rotated_square(angle, OFFSET, maxh), cf.crack_on_axis(start, end if through else 0))
-    orders = PAIRS[pair]
-    V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip, dirichlet="outer")
-    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, stabilisation=stabilisation)
-    problem.SetDirichlet(exact.u, "outer")
-    return problem
 
 
 def errors(solution, exact):
@@ -61,7 +48,7 @@ def coarse(**options):
 @pytest.mark.parametrize("pair", PAIRS)
 def test_closed_crack_under_uniform_stress_is_exact(pair, angle):
     exact = cf.uniform_compression(MATERIAL)
-    solution = rotated_problem(exact, pair, angle, 0.2).Solve()
+    solution = rotated_problem(exact, PAIRS[pair], 0.2, angle).Solve()
     assert max(errors(solution, exact)) < 1e-10
     assert np.abs(solution.Profile().gap).max() < 1e-10
 
@@ -83,7 +70,7 @@ def defect_of_the_rules(solution, exact):
 def test_with_tip_functions_uniform_stress_is_exact_to_the_defect_of_the_rules(pair, functions, options, bound):
     exact = cf.uniform_compression(MATERIAL)
     tip = TipEnrichment(r1=0.3, material=MATERIAL, functions=functions, **options)
-    solution = rotated_problem(exact, pair, 0.41, 0.2, tip=tip).Solve()
+    solution = rotated_problem(exact, PAIRS[pair], 0.2, tip=tip).Solve()
     defect = defect_of_the_rules(solution, exact)
     assert defect < bound
     assert max(errors(solution, exact)) < 100 * defect + 1e-10  # the tip functions are far from orthogonal to the others
@@ -113,7 +100,7 @@ def test_traction_beside_a_mouth_reaches_both_lips():
 @pytest.mark.parametrize("maxh", [0.1, 0.05])
 def test_slipping_tip_stays_closed(maxh):
     exact = cf.slipping_tip(MATERIAL)
-    solution = rotated_problem(exact, "P2/P1", 0.41, maxh, tip=TipEnrichment(r1=0.4, material=MATERIAL)).Solve()
+    solution = rotated_problem(exact, PAIRS["P2/P1"], maxh, tip=TipEnrichment(r1=0.4, material=MATERIAL)).Solve()
     profile = solution.Profile()
     assert np.abs(profile.gap).max() < 0.2 * maxh**2 * np.abs(profile.slip).max()  # a fifth of that measured
     assert np.abs(profile.sigma_n + 1).max() < 6 * maxh**1.5  # 0.15 and 0.016 measured
@@ -125,7 +112,7 @@ def test_default_rules_do_no_harm():
     exact, results = cf.slipping_tip(MATERIAL), {}
     for tolerance in (TipEnrichment.tolerance, 1e-10):
         tip = TipEnrichment(r1=0.4, material=MATERIAL, tolerance=tolerance)
-        solutions = [rotated_problem(exact, "P2/P1", angle, 0.05, tip=tip).Solve() for angle in (0.2, 0.41, 0.6)]
+        solutions = [rotated_problem(exact, PAIRS["P2/P1"], 0.05, angle, tip).Solve() for angle in (0.2, 0.41, 0.6)]
         results[tolerance] = np.array([(errors(s, exact)[0], s.StressIntensity().K_II - 1) for s in solutions])
     usual, fine = results.values()
     assert (np.abs(usual - fine).max(axis=0) < 0.01 * np.abs(fine).mean(axis=0)).all()
@@ -134,7 +121,7 @@ def test_default_rules_do_no_harm():
 def test_slipping_tip_converges():
     exact = cf.slipping_tip(MATERIAL)
     tip = TipEnrichment(r1=0.4, material=MATERIAL)
-    coarser, finer = (errors(rotated_problem(exact, "P2/P1", 0.41, h, tip=tip).Solve(), exact) for h in (0.1, 0.04))
+    coarser, finer = (errors(rotated_problem(exact, PAIRS["P2/P1"], h, tip=tip).Solve(), exact) for h in (0.1, 0.04))
     assert finer[0] < 0.4**1.2 * coarser[0] and finer[1] < 0.4 * coarser[1]
 
 
@@ -143,7 +130,7 @@ def test_rates_at_a_contact_transition(pair, rate):
     """A quick version of benchmarks/closed_forms.py, case (d): two bodies instead of ten. In theory 1.5, 1 and for λ 0.5."""
     exact = cf.contact_transition(MATERIAL)
     maxhs = [0.1, 0.05, 0.025]
-    means = [np.mean([errors(rotated_problem(exact, pair, a, h, through=True).Solve(), exact) for a in (0.41, 0.23)], axis=0) for h in maxhs]
+    means = [np.mean([errors(rotated_problem(exact, PAIRS[pair], h, a, through=True).Solve(), exact) for a in (0.41, 0.23)], axis=0) for h in maxhs]
     slopes = np.polyfit(np.log(maxhs), np.log(means), 1)[0]
     assert slopes[0] > rate
     assert slopes[1] > 0.5
@@ -379,7 +366,7 @@ def test_own_nodes_divide_the_rules():
 @pytest.mark.parametrize("order", [2, 3])
 def test_multipliers_of_higher_order(order):
     exact = cf.uniform_compression(MATERIAL)
-    problem = rotated_problem(exact, "P2/P1", 0.41, 0.2)
+    problem = rotated_problem(exact, PAIRS["P2/P1"], 0.2)
     problem.W = TraceSpace(problem.body, order=order)
     assert max(errors(problem.Solve(), exact)) < 1e-10
     solution = with_multipliers(order=order).Solve()

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from helpers import array, matrix
+from helpers import MATERIAL, OFFSET, array, matrix, rotated_problem
 from ngsolve import CF, BilinearForm, Id, IfPos, InnerProduct, Integrate, Parameter, SetNumThreads, Trace, sin, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Slip, Strain, TipEnrichment, TraceSpace
@@ -32,20 +32,7 @@ from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, PAIRS, T
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 
-MATERIAL = Elasticity(lam=1, mu=1)
-OFFSET = (0.03, -0.02)
 MESH = unstructured_mesh(0.06)
-
-
-def rotated_problem(exact, pair, maxh, friction, angle=0.41, tip=None, through=False):
-    """Exact displacement on the boundary of a rotated square, crack from a mouth to the origin or through the body."""
-    start, end = cf.mouths(angle, OFFSET)
-    body = CrackedMesh(cf.rotated_square(angle, OFFSET, maxh), cf.crack_on_axis(start, end if through else 0))
-    orders = PAIRS[pair]
-    V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip, dirichlet="outer")
-    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, friction=friction)
-    problem.SetDirichlet(exact.u, "outer")
-    return problem
 
 
 def errors(solution, exact):
@@ -246,7 +233,7 @@ def test_solution_satisfies_equilibrium_of_each_part():
 def test_a_sticking_crack_under_uniform_stress_is_the_uncracked_body(pair, sign):
     exact = cf.uniform_stress(MATERIAL, 0.3, 0.4 * sign, -1)
     for friction in (Coulomb(0.5), Tresca(0.5)):
-        solution = rotated_problem(exact, pair, 0.2, friction).Solve()
+        solution = rotated_problem(exact, PAIRS[pair], 0.2, friction=friction).Solve()
         assert max(errors(solution, exact)) < 1e-10
         assert np.abs(solution.Profile().slip).max() < 1e-10
         assert (solution.report.tangential[-1] == STICK).all() and len(solution.SlipTransitions()) == 0
@@ -258,7 +245,7 @@ def test_a_crack_through_the_body_slides_at_its_threshold(sign, law):
     """Uniform compression 1 and shear 0.25 on both blocks, given displacements that shift them by 0.1: λ_t = ±0.25."""
     exact = cf.uniform_stress(MATERIAL, 0.3, 0.25 * sign, -1)
     shifted = cf.ClosedForm(exact.u + CF((0.05 * sign, 0)) * _side(), exact.stress, exact.pressure, exact.gap, exact.shear, CF(0.1 * sign))
-    solution = rotated_problem(shifted, "P2/P1", 0.2, law, through=True).Solve()
+    solution = rotated_problem(shifted, PAIRS["P2/P1"], 0.2, through=True, friction=law).Solve()
     assert max(errors(solution, shifted)) < 1e-9 and cf.slip_error(solution, shifted) < 1e-9
     assert (solution.report.tangential[-1] == sign).all()
     start, end = cf.mouths(0.41, OFFSET)
@@ -275,7 +262,7 @@ def test_slip_at_a_sliding_tip_converges():
     exact, tip = cf.sliding_tip(MATERIAL, 0.3), TipEnrichment(r1=0.4, material=MATERIAL)
     found = []
     for maxh in (0.1, 0.04):
-        solution = rotated_problem(exact, "P2/P1", maxh, Coulomb(0.3), tip=tip).Solve()
+        solution = rotated_problem(exact, PAIRS["P2/P1"], maxh, tip=tip, friction=Coulomb(0.3)).Solve()
         assert (solution.report.tangential[-1] == SLIP_PLUS).all() and solution.report.iterations <= 15
         found.append((*errors(solution, exact), cf.slip_error(solution, exact), abs(solution.StressIntensity().K_II - 1)))
     coarser, finer = np.array(found)
@@ -285,7 +272,7 @@ def test_slip_at_a_sliding_tip_converges():
 @pytest.mark.parametrize(("pair", "rates"), [("P2/P1", (1.8, 1.5, 1.5)), ("P1/P0", (0.9, 0.8, 0.8))])
 def test_rates_of_a_sticking_crack(pair, rates):
     exact, maxhs = cf.sticking_crack(MATERIAL), [0.1, 0.05, 0.025]
-    means = [np.mean([errors(rotated_problem(exact, pair, h, Coulomb(2), a).Solve(), exact) for a in (0.41, 0.23)], axis=0) for h in maxhs]
+    means = [np.mean([errors(rotated_problem(exact, PAIRS[pair], h, a, friction=Coulomb(2)).Solve(), exact) for a in (0.41, 0.23)], axis=0) for h in maxhs]
     slopes = np.polyfit(np.log(maxhs), np.log(means), 1)[0]
     assert (slopes > rates).all()
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import array, random_function
+from helpers import MATERIAL, array, random_function, rotated_problem
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, SetNumThreads
 
@@ -18,23 +18,12 @@ from ngsxfem_contact.study.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, pa
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 
-MATERIAL = Elasticity(lam=1, mu=1)
-OFFSET = (0.03, -0.02)
 MESH = unstructured_mesh(0.06)
 THETAS = [1, 0, -1]
 
 
 def coarse(load="C", **options):
     return paper_problem(MESH, load, **options)
-
-
-def rotated_problem(exact, pair, maxh, stabilisation, friction=None, tip=None):
-    start, _ = cf.mouths(0.41, OFFSET)
-    body = CrackedMesh(cf.rotated_square(0.41, OFFSET, maxh), cf.crack_on_axis(start, 0))
-    V = CrackFESpace(body, order=PAIRS[pair].order, bubble=PAIRS[pair].bubble, tip=tip, dirichlet="outer")
-    problem = ContactProblem(V, TraceSpace(body, order=PAIRS[pair].multiplier_order), MATERIAL, stabilisation=stabilisation, friction=friction)
-    problem.SetDirichlet(exact.u, "outer")
-    return problem
 
 
 # The equations, evaluated by NGSolve at the points, without the matrices of the system
@@ -134,10 +123,10 @@ def test_adding_to_a_matrix_of_ngsolve():
 @pytest.mark.parametrize("theta", THETAS)
 def test_uniform_stress_is_exact(theta, pair):
     exact = cf.uniform_compression(MATERIAL)
-    solution = rotated_problem(exact, pair, 0.2, Nitsche(theta)).Solve()
+    solution = rotated_problem(exact, PAIRS[pair], 0.2, stabilisation=Nitsche(theta)).Solve()
     assert max(cf.energy_error(solution, exact), cf.pressure_error(solution, exact)) < 1e-10
     stick = cf.uniform_stress(MATERIAL, 0.3, 0.4, -1)
-    solution = rotated_problem(stick, pair, 0.2, Nitsche(theta), Coulomb(0.5)).Solve()
+    solution = rotated_problem(stick, PAIRS[pair], 0.2, stabilisation=Nitsche(theta), friction=Coulomb(0.5)).Solve()
     assert max(cf.energy_error(solution, stick), cf.pressure_error(solution, stick), cf.shear_error(solution, stick)) < 1e-10
 
 
@@ -146,7 +135,7 @@ def test_sliding_tip(theta):
     exact, tip = cf.sliding_tip(MATERIAL, 0.3), TipEnrichment(r1=0.4, material=MATERIAL)
     errors = []
     for maxh in (0.1, 0.05):
-        solution = rotated_problem(exact, "P2/P1", maxh, Nitsche(theta), Coulomb(0.3), tip).Solve()
+        solution = rotated_problem(exact, PAIRS["P2/P1"], maxh, tip=tip, stabilisation=Nitsche(theta), friction=Coulomb(0.3)).Solve()
         errors.append([cf.energy_error(solution, exact), cf.pressure_error(solution, exact), cf.shear_error(solution, exact)])
     assert (np.array(errors[1]) < 0.5 * np.array(errors[0])).all()
 

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers import rectangle
+from helpers import pull, rectangle
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import MeshingParameters
 from ngsolve import CF, InnerProduct, LinearForm, Mesh, x, y
@@ -178,12 +178,7 @@ def plate_under_tension(upper, cracks, focus, fine, coarse, pair="P2/P1"):
         for angle in np.linspace(0, 2 * np.pi, 12):
             for r in (0, 4 * fine, 8 * fine):
                 sizes.RestrictH(x=point[0] + r * np.cos(angle), y=point[1] + r * np.sin(angle), z=0, h=fine)
-    problem = problem_on(Mesh(geometry.GenerateMesh(mp=sizes)), *cracks, pair=pair)
-    v = problem.V.TestFunction()
-    problem.f += CF((0, 1)) * v * problem.body.ds("top") + CF((0, -1)) * v * problem.body.ds("bottom")
-    problem.Pin(upper, "xy")
-    problem.Pin((upper[0], -upper[1]), "x")
-    return problem.Solve()
+    return pull(problem_on(Mesh(geometry.GenerateMesh(mp=sizes)), *cracks, pair=pair), upper).Solve()
 
 
 def test_single_edge_plate():

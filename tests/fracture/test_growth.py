@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers import rectangle
+from helpers import pull, rectangle
 from ngsolve import CF, x
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, CrackGrowth, TipEnrichment, TraceSpace
@@ -30,11 +30,7 @@ def pulled(cracks, stress=1.0, maxh=0.05):
     """The square under σ_yy = stress."""
     body = CrackedMesh(mesh(maxh), *cracks)
     V = CrackFESpace(body, order=2, tip=TipEnrichment(material=MATERIAL))
-    problem, v = ContactProblem(V, TraceSpace(body, order=1), MATERIAL), V.TestFunction()
-    problem.f += CF((0, stress)) * v * body.ds("top") + CF((0, -stress)) * v * body.ds("bottom")
-    problem.Pin((1, -0.5), "xy")
-    problem.Pin((1, 0.5), "x")
-    return problem
+    return pull(ContactProblem(V, TraceSpace(body, order=1), MATERIAL), (1, 0.5), stress)
 
 
 def pressed(cracks):
