@@ -96,7 +96,7 @@ class Elimination:
 
     Long rows would ruin the ordering of a sparse factorisation: they stay outside of it, as a border, eliminated by block elimination.
 
-    free: BitArray of the unknowns that are not fixed.    border: those whose rows are long, see `spaces.unknowns.tip_unknowns`.
+    free: BitArray of the unknowns that are not fixed.    border: those whose rows are long, see `spaces.unknowns.Unknowns`.
     inverse: name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by
         one solve for each row of C.
     S: dense (m, m).    positive: whether A is positive definite; None if the direct solver does not tell.

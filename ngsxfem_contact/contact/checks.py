@@ -11,7 +11,7 @@ from ..errors import NotCoercive, SingularSystem
 from ..operators import NormalGap
 from ..progress import doing
 from ..spaces.connectivity import RigidMotions
-from ..spaces.unknowns import tip_unknowns
+from ..spaces.unknowns import Unknowns
 from .contact_system import stiffness_form
 from .mixed_system import LocalPressures
 from .stabilisation import trait
@@ -108,7 +108,7 @@ def Coercivity(problem):
     if problem.is_mixed:
         K_gamma -= LocalPressures(problem, gamma).Stiffness()
     with doing(f"smallest eigenvalue of K - K_γ against K, {V.ndof} unknowns"):
-        return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, tip_unknowns(V)), mask(problem.free))
+        return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, Unknowns(V).tips), mask(problem.free))
 
 
 def largest_eigenvalue(A, M, M_inverse, free):
@@ -143,5 +143,5 @@ def InfSup(V, W, weight=specialcf.mesh_size):
     M = to_scipy(BilinearForm(weight * lam * mu * W.dcrack).Assemble().mat).toarray()
     if not (np.diag(M) > 0).all() or not np.isfinite(M).all():
         raise ValueError("InfSup: weight must be positive and finite on the whole crack")
-    S = Elimination(H1, V.FreeDofs(), tip_unknowns(V), B).S
+    S = Elimination(H1, V.FreeDofs(), Unknowns(V).tips, B).S
     return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

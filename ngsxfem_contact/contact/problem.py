@@ -59,7 +59,7 @@ def material_of(V, material):
         raise TypeError("ContactProblem: there is no material; give CrackFESpace(..., material=Elasticity...), or ContactProblem(V, W, material)")
     material = own if material is None else material
     check_type(material, Isotropic, "ContactProblem: material", "an Elasticity")
-    if own is not None and getattr(material, "regions", material) != getattr(own, "regions", own):
+    if own is not None and material.regions != own.regions:
         raise ValueError(f"ContactProblem: material={material} is another one than {own} of CrackFESpace(material=...); say it once, to V")
     return material
 

@@ -13,7 +13,7 @@ from ..loads.load import AppliedLoad
 from ..loads.reactions import SupportResidual
 from ..progress import doing
 from ..spaces.negligible import without_negligible
-from ..spaces.unknowns import tip_unknowns
+from ..spaces.unknowns import Unknowns
 from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
 from .cones import CONES
 from .contact_system import GivenTraction
@@ -84,7 +84,7 @@ class ReducedProblem:
             check_gap(system)
         with stage(self.timings, "factor", f"eliminating {size}"):
             free = without_negligible(system.stiffness, problem.V, problem.free)
-            self.elimination = Elimination(system.stiffness, free, tip_unknowns(problem.V), system.C, inverse)
+            self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse)
             if check:
                 check_coercive(problem, self.elimination)
             m = system.E.shape[0]
@@ -252,7 +252,7 @@ def complementarity(system, problem, U, L, G, free_gap, p, T, cone):
     """
     w = T.T @ (system.Moments(U, L) - G)
     lengths = np.maximum(np.abs(T.T) @ np.abs(system.weights), TINY)
-    displacement = max(np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max(), (np.abs(T.T @ free_gap) / lengths).max())
+    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), (np.abs(T.T @ free_gap) / lengths).max())
     scale = max(np.abs(p).max(), TINY)
     return problem.friction.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, cone)
 

@@ -16,6 +16,7 @@ from ..arguments import check_number, check_positive
 from ..loads.face_traction import ComparedTraction
 from ..operators import NORMAL
 from ..spaces.incompressible import WithoutPressure, is_projected, stress_power
+from ..spaces.unknowns import Unknowns
 
 
 class Stabilisation:
@@ -172,7 +173,7 @@ def local_moduli(V, material):
     """What R_h is of the order of in each of crack_elements: lam + 2 mu, and 2 mu where the pressure is free."""
     modulus = GridFunction(L2(V.mesh, order=0))
     free = material.projected if is_projected(V, material) else 0
-    modulus.Set(CoefficientFunction((1 - free) * material.lam + 2 * material.mu))
+    modulus.Set(CoefficientFunction(material.Modulus(free)))
     return np.array([modulus.vec[location.element] for location in crack_elements(V.body)])
 
 
@@ -188,8 +189,7 @@ def lacks_pressure(V, law):
 
 def _nearly_incompressible(V, material):
     index = np.array([V.mesh[ElementId(T.element)].index for T in crack_elements(V.body)], dtype=int)
-    regions = getattr(material, "regions", None)
-    return np.array([(regions[i] if regions else material).nearly_incompressible for i in index], dtype=bool)
+    return np.array([material.InRegion(int(i)).nearly_incompressible for i in index], dtype=bool)
 
 
 def tip_weight(V):
@@ -246,9 +246,7 @@ def _largest_ratio(V, element, trace, energy, kernel=1e-10):
 
 def largest_of_kind(values, V, dofs):
     """For each unknown the largest of the values that have its unit: of all polynomials, or of the functions of its tip."""
-    kind = np.zeros(len(dofs), dtype=int)
-    for tip in range(len(V.body.tips)):
-        kind[np.isin(dofs, V.TipDofs(tip))] = tip + 1
+    kind = Unknowns(V).Kinds(np.array(dofs))
     largest = np.zeros(kind.max() + 1)
     np.maximum.at(largest, kind, values)
     return largest[kind]

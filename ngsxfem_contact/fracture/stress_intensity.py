@@ -15,6 +15,7 @@ from .. import _ngsxfem_contact as core
 from ..arguments import check_item, check_number, check_whole
 from ..operators import NORMAL, TANGENTIAL, Gradient, NormalGap, NormalStress, Slip
 from ..points import crack_points
+from ..spaces.unknowns import Unknowns
 from .factor_error import reported_error
 from .tip_fields import SIDE, TipFrame
 from .tip_integral import GivenStress, TipField, TipIntegral, auxiliary_field, elements_within, mode_fields
@@ -175,7 +176,7 @@ class InteractionIntegral:
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
         u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
         integrals = [TipIntegral(solution.problem, frame, radius) for radius in radii]
-        scale = 4 * material.mu / (material.kappa + 1)
+        scale = 0.5 * material.E_prime
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
         doubt = [0.5 * scale * integrals[0].OfTraction(doubtful_traction(solution), mode) for mode in modes]
         own = mode_coefficients(solution, tip)
@@ -220,7 +221,7 @@ class JumpExtrapolation:
         points = crack_points(body, frame.tip.crack, np.abs(frame.tip.s - r))
         jumps = np.column_stack([f(points).ravel() for f in (NormalGap(solution.u, body), Slip(solution.u, body))])
         A = np.linalg.lstsq(np.column_stack([np.ones_like(r), r]), jumps / np.sqrt(r)[:, None], rcond=None)[0][0]
-        K = A * np.sqrt(2 * np.pi) * material.mu / (material.kappa + 1)
+        K = 0.125 * material.E_prime * np.sqrt(2 * np.pi) * A
         return StressIntensityFactors(float(K[0]), float(K[1]), modes=mode_coefficients(solution, tip))
 
 
@@ -233,7 +234,7 @@ def mode_coefficients(solution, tip):
     spec = V.tip_specs[tip]
     if spec is None or spec.basis != core.TipBasis.modes:
         return None
-    return tuple(float(solution.u.vec[dof]) for dof in V.TipDofs(tip))
+    return tuple(float(solution.u.vec[dof]) for dof in Unknowns(V).Tip(tip))
 
 
 def stress_intensity(solution, tip, method, radius):
@@ -264,7 +265,7 @@ def t_stress(solution, tip, radius):
     force = auxiliary_field(frame, material, dict.fromkeys((None, *SIDE), frame.PointForceGradient(material)))
     strain = np.array([TipIntegral(solution.problem, frame, r)(u, force) for r in radii])
     constant, doubt = constant_at_tip(solution, frame, material)
-    T = 8 * material.mu / (material.kappa + 1) * strain + constant
+    T = material.E_prime * strain + constant
     return TStress(float(T[0]), float(np.ptp(T)) + doubt, radii, T)
 
 
@@ -284,8 +285,7 @@ def constant_at_tip(solution, frame, material):
     given, normal, tractions = solution.applied.stress, solution.body.normal, solution.FaceTractions()
     constant = solution.multiplier - 0.5 * InnerProduct(tractions.plus - tractions.minus, normal)
     if given is not None:
-        ratio = (3 - material.kappa) / (1 + material.kappa)
-        constant = constant + InnerProduct(given * frame.ahead, frame.ahead) - ratio * NormalStress(given, solution.body)
+        constant = constant + InnerProduct(given * frame.ahead, frame.ahead) - material.nu_prime * NormalStress(given, solution.body)
     values, along = before_tip(solution, frame, constant), np.linspace(0.05, 1, 20)
     line, parabola = (np.polyval(np.polyfit(along, values, degree), 0.0) for degree in (1, 2))
     return float(line), 0.5 * abs(float(line - parabola))
@@ -296,7 +296,7 @@ def energy_release_rate(solution, tip, radius):
     check_item(tip, solution.body.tips, "tip", "body.tips")
     material, frame = material_at(solution, tip), TipFrame(solution.body, tip)
     K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
-    irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
+    irwin = (K_I**2 + K_II**2) / material.E_prime
     u, radii = solution_field(solution, frame), disks(frame, solution, radius)
     G = np.array([0.5 * TipIntegral(solution.problem, frame, r)(u, u) for r in radii])
     return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)
