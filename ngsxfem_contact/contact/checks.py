@@ -26,11 +26,11 @@ def check_gap(system):
         raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
 
 
-def check_load(F, given, who=""):
-    """Raises ValueError for a load or given displacements, arrays, that are not finite.  who: begins the message."""
+def check_load(F, given):
+    """Raises ValueError for a load or given displacements, arrays, that are not finite."""
     for values, what, where in ((F, "the load `f`", "its coefficient functions on the whole body"), (given, "a given displacement", "Pin and SetDirichlet")):
         if not np.isfinite(values).all():
-            raise ValueError(f"{who}{what} is not finite (NaN or inf): check {where}")
+            raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
 
 
 def check_energies(F, given, stiffness):

@@ -28,11 +28,11 @@ from ..spaces.incompressible import is_projected
 from ..spaces.trace_space import mass_matrix
 from .cones import Nonpositive
 from .contact_system import ContactSystem, stiffness_form
-from .stabilisation import BarbosaHughes, Stabilisation
+from .stabilisation import BarbosaHughes, Defaults
 
 
 @dataclass(frozen=True)
-class Nitsche(Stabilisation):
+class Nitsche(Defaults):
     """In place of a stabilised multiplier: ContactProblem(..., stabilisation=Nitsche(theta=1)).
 
     theta: 1 (symmetric), 0 (fewest terms) or -1 (coercive for every γ).    gamma0, coercivity: γ as BarbosaHughes(gamma0,

@@ -83,7 +83,7 @@ def material_at(solution, tip):
 
 def solution_field(solution, frame):
     """u with its load, its given stress, and what acts on the lips: the contact pressure from λ_h and R_h(u_h), λ_t, given tractions, joints."""
-    body, applied = solution.body, solution.applied
+    body, load = solution.body, solution.load
     gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
     stress = {side: solution.ElasticStress(side) for side in gradient}
     multiplier, mean = pressures(solution)
@@ -95,7 +95,7 @@ def solution_field(solution, frame):
     elif solution.a.joint is not None:  # shear that a joint carries: the mean of what it says and of σ(u_h), as for λ
         contact = contact + 0.5 * sum(0.5 * solution.Traction(TANGENTIAL, side) for side in SIDE) * body.tangent
     own = solution.FaceTractions()
-    body_force = lambda field, elements: applied.BodyForce(field, elements) + solution.a.BodyForce(solution.u, field, elements)
+    body_force = lambda field, elements: load.BodyForce(field, elements) + solution.a.BodyForce(solution.u, field, elements)
     return TipField(gradient, stress, {"plus": contact - own.plus, "minus": contact + own.minus}, body_force, given_stress(solution, frame))
 
 
@@ -104,7 +104,7 @@ def given_stress(solution, frame):
 
     Raises ValueError for a stress that jumps near the tip, whose derivative is no function.
     """
-    given = solution.applied.stress
+    given = solution.load.stress
     if given is None:
         return None
     mesh, order, parts = solution.body.mesh, solution.problem.V.order + 2, []
@@ -147,7 +147,7 @@ def disks(frame, solution, radius):
     has less than two elements in its radius.
     """
     solution.CheckLoad()
-    room, limit = frame.Clearance(solution.problem.material, solution.applied.Obstacles(frame.tip.point) + solution.a.Obstacles(frame.tip.point))
+    room, limit = frame.Clearance(solution.problem.material, solution.load.Obstacles(frame.tip.point) + solution.a.Obstacles(frame.tip.point))
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
     check_number(radius, f"the domain at the tip {frame.tip.point}: radius", lambda radius: radius > 0, "be positive")
@@ -282,7 +282,7 @@ def is_closed(solution, tip):
 
 def constant_at_tip(solution, frame, material):
     """(σ_nn + σ⁰_ee - ν' σ⁰_nn at a tip, its doubt): what the lips carry, and the given stress, as a line through the last element says, and half of what bends it."""
-    given, normal, tractions = solution.applied.stress, solution.body.normal, solution.FaceTractions()
+    given, normal, tractions = solution.load.stress, solution.body.normal, solution.FaceTractions()
     constant = solution.multiplier - 0.5 * InnerProduct(tractions.plus - tractions.minus, normal)
     if given is not None:
         constant = constant + InnerProduct(given * frame.ahead, frame.ahead) - material.nu_prime * NormalStress(given, solution.body)

@@ -83,4 +83,4 @@ def doubts(V, stabilisation):
     found = [] if projection_degree(V) >= V.globalorder - 1 else [NO_BUBBLE.format(order=V.globalorder)]
     if any(spec is not None and spec.basis == core.TipBasis.branch for spec in V.tip_specs):
         found.append(BRANCH)
-    return [*found, AT_POINTS] if hasattr(stabilisation, "System") else found
+    return [*found, AT_POINTS] if getattr(stabilisation, "System", None) else found

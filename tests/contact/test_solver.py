@@ -209,7 +209,7 @@ def test_load_cases_are_finite():
 def test_a_displacement_that_does_not_solve_raises_when_it_is_used():
     reduced = ReducedProblem(problem_on(pair="P1/P0"))
     solution = reduced.Step()
-    reduced.load.reduced.rhs[:] = 2 * reduced.load.reduced.rhs
+    reduced.case.reduced.rhs[:] = 2 * reduced.case.reduced.rhs
     with pytest.raises(NotConverged, match="does not satisfy its own equations"):
         solution.u
 
