@@ -11,6 +11,7 @@ import numpy as np
 from ngsolve import ngsglobals
 
 from ngsxfem_contact import TipEnrichment
+from ngsxfem_contact.contact.options import StepOptions
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.study.paper import MATERIAL, PAIRS, paper_problem
 from ngsxfem_contact.study.study import SIZES, realisation_mesh
@@ -20,8 +21,8 @@ def counts(mesh, pair, coarser):
     """Iterations cold, on coarser sets before it, from an empty set, from a coarser solution or None; and the solution."""
     reduced = ReducedProblem(paper_problem(mesh, pair=pair, tip=TipEnrichment(material=MATERIAL, r1=0.25)))
     solution = reduced.Step()
-    empty = reduced.Step(start=np.zeros(reduced.problem.W.ndof, dtype=bool)).report.iterations
-    warm = reduced.Step(start=coarser).report.iterations if coarser else 0
+    empty = reduced.Step(StepOptions(start=np.zeros(reduced.problem.W.ndof, dtype=bool))).report.iterations
+    warm = reduced.Step(StepOptions(start=coarser)).report.iterations if coarser else 0
     return (solution.report.iterations, solution.report.coarse_iterations, empty, warm), solution
 
 

@@ -25,6 +25,7 @@ from ngsxfem_contact.loads.face_traction import ComparedTraction
 from ngsxfem_contact.operators import NORMAL
 from ngsxfem_contact.spaces.connectivity import VertexCopies
 from ngsxfem_contact.spaces.negligible import without_negligible
+from ngsxfem_contact.spaces.unknowns import Unknowns
 from ngsxfem_contact.study.paper import MATERIAL
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -74,23 +75,18 @@ def by_diagonal(A):
 
 def unshifted(V):
     """H φ_i = 2·½(H - s_i) φ_i + s_i φ_i: the change of basis."""
-    T = np.eye(V.ndof)
-    for j in range(V.num_heaviside):
-        dof, shift = V.Heaviside(j)
-        for k in (0, 1):
-            T[V.HeavisideDof(j, k), V.HeavisideDof(j, k)] = 2
-            T[k * V.scalar_space.ndof + dof, V.HeavisideDof(j, k)] = shift
+    T, unknowns = np.eye(V.ndof), Unknowns(V)
+    for k in (0, 1):
+        own = np.arange(V.ndof)[unknowns.Heaviside(k)]
+        T[own, own] = 2
+        T[unknowns.Polynomial(k).start + unknowns.enriched, own] = unknowns.shifts
     return T
 
 
 def without_small_parts(A, V):
-    kept = np.ones(V.ndof, dtype=bool)
-    for j in range(V.num_heaviside):
-        dof, _ = V.Heaviside(j)
-        for k in (0, 1):
-            kept[V.HeavisideDof(j, k)] = (
-                A[V.HeavisideDof(j, k), V.HeavisideDof(j, k)] > DROPPED * A[k * V.scalar_space.ndof + dof, k * V.scalar_space.ndof + dof]
-            )
+    kept, unknowns, energies = np.ones(V.ndof, dtype=bool), Unknowns(V), A.diagonal()
+    for k in (0, 1):
+        kept[unknowns.Heaviside(k)] = energies[unknowns.Heaviside(k)] > DROPPED * energies[unknowns.Polynomial(k)][unknowns.enriched]
     return A[np.ix_(kept, kept)]
 
 

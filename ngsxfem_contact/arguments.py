@@ -35,13 +35,6 @@ def check_item(number, items, what, where):
         raise ValueError(f"there is no {what} {number!r}; {where} has {len(items)}, counted from 0")
 
 
-def check_options(options, known, name):
-    """Raises TypeError for a keyword argument that a function does not have."""
-    for option in options:
-        if option not in known:
-            raise TypeError(f"{name} has no option {option!r}; it has {', '.join(known)}")
-
-
 def check_type(value, types, name, must):
     """Raises TypeError unless value is an instance of one of the types; must: what it has to be, in words."""
     if not isinstance(value, types):

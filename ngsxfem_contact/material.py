@@ -2,9 +2,11 @@
 
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
-from ngsolve import VOL, CoefficientFunction, ElementId, Id, Mesh, Trace, sqrt
+from ngsolve import VOL, CoefficientFunction, ElementId, Id, IfPos, InnerProduct, Mesh, Trace, sqrt
 
 from .arguments import INFINITY, check_number, check_type
 
@@ -13,7 +15,7 @@ __all__ = ["Elasticity"]
 LEAST, MOST = 1e-100, 1e100  # of moduli: squares and quotients of them are numbers
 
 
-def check_engineering_constants(E, nu, limit, name):
+def check_engineering_constants(E: float, nu: float, limit: float, name: str) -> None:
     """Raises ValueError unless 0 < E < inf, neither of them too near for double precision, and -1 < nu < limit."""
     check_number(E, f"{name}: E", lambda E: 0 < E < INFINITY, "be positive and finite (Young's modulus)")
     check_number(E, f"{name}: E", lambda E: LEAST <= E <= MOST, f"lie between {LEAST:g} and {MOST:g}, take another unit of stress (Young's modulus)")
@@ -24,51 +26,100 @@ NEARLY_INCOMPRESSIBLE = 9  # λ_L/μ_L
 FORMS = ("plane strain", "plane stress")
 
 
+Coefficient: TypeAlias = float | CoefficientFunction  # a number, or a function of the place
+
+
 class Isotropic(ABC):
     """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu.
 
     nu: Poisson's ratio.    alpha: coefficient of thermal expansion, in 1 / temperature.    confined: 1 in plane strain (ε_zz = 0), 0 in plane stress.
+    nearly_incompressible: whether it is so anywhere.    projected: 1 where it is, 0 elsewhere.
     """
 
-    lam: float | CoefficientFunction
-    mu: float | CoefficientFunction
-    nu: float | CoefficientFunction
-    alpha: float | CoefficientFunction
-    confined: float | CoefficientFunction
-    nearly_incompressible: bool  # anywhere
-    projected: int | CoefficientFunction  # 1 where it is, 0 elsewhere
+    lam: Coefficient
+    mu: Coefficient
+    nu: Coefficient
+    alpha: Coefficient
+    confined: Coefficient
+    nearly_incompressible: bool
+    projected: int | CoefficientFunction
 
     @property
-    def E(self):
+    @abstractmethod
+    def regions(self) -> "list[Elasticity]":
+        """The Elasticity of each region of the mesh; one, if there is but one material."""
+
+    @abstractmethod
+    def InRegion(self, number: int) -> "Elasticity":
+        """The Elasticity of a region of the mesh, counted from 0."""
+
+    @abstractmethod
+    def At(self, mesh: Mesh, point: Sequence[float]) -> "Elasticity":
+        """The Elasticity at a point of the mesh."""
+
+    @property
+    def E(self) -> Coefficient:
         """Young's modulus."""
         return 2 * self.mu * (1 + self.nu)
 
     @property
-    def kappa(self):
+    def kappa(self) -> Coefficient:
         """Kolosov's constant: 3 - 4ν in plane strain, (3 - ν)/(1 + ν) in plane stress."""
         return (self.lam + 3 * self.mu) / (self.lam + self.mu)
 
-    def Stress(self, strain):
-        """The 2 × 2 stress of a 2 × 2 strain, both CoefficientFunctions, in the unit of lam and mu: (1) of [AHLMR12]."""
-        return self.lam * Trace(strain) * Id(2) + 2 * self.mu * strain
+    @property
+    def E_prime(self) -> Coefficient:
+        """E' = 8μ/(κ + 1): E/(1 - ν²) in plane strain, E in plane stress; Irwin's G = (K_I² + K_II²)/E'."""
+        return 8 * self.mu / (self.kappa + 1)
 
-    def Strain(self, stress):
+    @property
+    def nu_prime(self) -> Coefficient:
+        """ν' = (3 - κ)/(1 + κ), the lateral stress of a strain in one direction: ν/(1 - ν) in plane strain, ν in plane stress."""
+        return (3 - self.kappa) / (1 + self.kappa)
+
+    @property
+    def compliance(self) -> Coefficient:
+        """1/λ_L, of the pressure λ_L div u."""
+        return 1 / self.lam
+
+    def Modulus(self, free: Coefficient = 0) -> Coefficient:
+        """λ_L + 2μ, what the stress is of the order of; 2μ where the pressure is free (free = 1)."""
+        return (1 - free) * self.lam + 2 * self.mu
+
+    def Stress(self, strain: CoefficientFunction, dilatation: Coefficient | None = None) -> CoefficientFunction:
+        """The 2 × 2 stress of a 2 × 2 strain, both CoefficientFunctions, in the unit of lam and mu: (1) of [AHLMR12].
+
+        dilatation: what takes the place of the strain's trace where the material is nearly incompressible, see `spaces.incompressible`.
+        """
+        return self.lam * (Trace(strain) if dilatation is None else dilatation) * Id(2) + 2 * self.mu * strain
+
+    def StressPower(
+        self,
+        strain: CoefficientFunction,
+        other: CoefficientFunction,
+        dilatations: tuple[CoefficientFunction, CoefficientFunction] | None = None,
+        pressure: CoefficientFunction | None = None,
+    ) -> CoefficientFunction:
+        """σ(ε):ε', the integrand of a(u, v), of two 2 × 2 strains.    dilatations: in place of their traces; with a pressure π D + π/λ_L."""
+        if dilatations is None:
+            return InnerProduct(self.Stress(strain), other)
+        more = 0 if pressure is None else pressure / IfPos(self.lam, self.lam, 1)
+        first, second = dilatations
+        return self.lam * (first + more) * (second + more) + 2 * self.mu * InnerProduct(strain, other)
+
+    def Strain(self, stress: CoefficientFunction) -> CoefficientFunction:
         """The 2 × 2 strain of a 2 × 2 stress, the inverse of Stress."""
         return (stress - self.lam / (2 * (self.lam + self.mu)) * Trace(stress) * Id(2)) / (2 * self.mu)
 
-    def ThermalStress(self, temperature):
+    def ThermalStress(self, temperature: Coefficient) -> CoefficientFunction:
         """The stress of a body that is heated by ΔT and held: -E α ΔT / (1 - 2ν) I in plane strain, -E α ΔT / (1 - ν) I in plane stress."""
         return -2 * (self.lam + self.mu) * (1 + self.confined * self.nu) * self.alpha * temperature * Id(2)
 
-    def VonMises(self, stress, temperature=0):
+    def VonMises(self, stress: CoefficientFunction, temperature: Coefficient = 0) -> CoefficientFunction:
         """The von Mises stress of a 2 × 2 stress, with σ_zz = 0 in plane stress and ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
         xx, yy, xy = stress[0, 0], stress[1, 1], stress[0, 1]
         zz = self.confined * (self.nu * (xx + yy) - self.E * self.alpha * temperature)
         return sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * xy**2)
-
-    @abstractmethod
-    def At(self, mesh, point) -> "Elasticity":
-        """The Elasticity at a point of the mesh."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +146,7 @@ class Elasticity(Isotropic):
     nearly_incompressible: bool = field(init=False, repr=False, compare=False)
     projected: int = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ("lam", "mu", "alpha"):
             check_number(getattr(self, name), f"Elasticity: {name}")
         if self.mu <= 0 or self.lam + self.mu <= 0:
@@ -118,7 +169,7 @@ class Elasticity(Isotropic):
         object.__setattr__(self, "projected", int(self.nearly_incompressible))
 
     @staticmethod
-    def PlaneStrain(E, nu, alpha=0.0):
+    def PlaneStrain(E: float, nu: float, alpha: float = 0.0) -> "Elasticity":
         """The material of a long body, ε_zz = 0: lam = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
 
         E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1/2.    alpha: thermal expansion.    Raises ValueError outside of these.
@@ -127,7 +178,7 @@ class Elasticity(Isotropic):
         return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)), alpha=alpha)
 
     @staticmethod
-    def PlaneStress(E, nu, alpha=0.0):
+    def PlaneStress(E: float, nu: float, alpha: float = 0.0) -> "Elasticity":
         """The material of a thin plate, σ_zz = 0: lam = E nu / (1 - nu²), mu = E / (2 (1 + nu)).
 
         E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1.    alpha: thermal expansion.    Raises ValueError outside of these.
@@ -136,7 +187,7 @@ class Elasticity(Isotropic):
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)), "plane stress", alpha)
 
     @staticmethod
-    def ByRegion(mesh, materials):
+    def ByRegion(mesh: Mesh, materials: "dict[str, Elasticity]") -> "RegionElasticity":
         """A RegionElasticity: one Elasticity for each region (material) of the mesh.
 
         mesh: of NGSolve.    materials: {name of a region, or a regular expression: Elasticity}.
@@ -144,7 +195,16 @@ class Elasticity(Isotropic):
         """
         return RegionElasticity(mesh, materials)
 
-    def At(self, mesh, point):
+    @property
+    def regions(self) -> "list[Elasticity]":
+        """This one."""
+        return [self]
+
+    def InRegion(self, number: int) -> "Elasticity":
+        """The Elasticity of a region: this one."""
+        return self
+
+    def At(self, mesh: Mesh, point: Sequence[float]) -> "Elasticity":
         """The Elasticity at a point: this one."""
         return self
 
@@ -156,7 +216,7 @@ class RegionElasticity(Isotropic):
     Raises ValueError unless each region of the mesh is matched by exactly one name, and each name matches a region.
     """
 
-    def __init__(self, mesh, materials):
+    def __init__(self, mesh: Mesh, materials: dict[str, Elasticity]) -> None:
         check_type(mesh, Mesh, "Elasticity.ByRegion: mesh", "a Mesh of NGSolve")
         check_type(materials, dict, "Elasticity.ByRegion: materials", "a dictionary {name of a region: Elasticity}")
         for name, material in materials.items():
@@ -175,15 +235,24 @@ class RegionElasticity(Isotropic):
         unused = set(materials) - {name for found in matches.values() for name in found}
         if unused:
             raise ValueError(f"Elasticity.ByRegion: {sorted(unused)} match no region; the mesh has {sorted(set(names))}")
-        self.regions = [materials[matches[region][0]] for region in names]
-        by_name = dict(zip(names, self.regions))
+        self._regions = [materials[matches[region][0]] for region in names]
+        by_name = dict(zip(names, self._regions))
         piecewise = lambda field: mesh.MaterialCF({name: getattr(material, field) for name, material in by_name.items()})
         self.lam, self.mu, self.nu, self.alpha, self.confined, self.projected = map(piecewise, ("lam", "mu", "nu", "alpha", "confined", "projected"))
-        self.nearly_incompressible = any(material.nearly_incompressible for material in self.regions)
+        self.nearly_incompressible = any(material.nearly_incompressible for material in self._regions)
 
-    def At(self, mesh, point):
+    @property
+    def regions(self) -> list[Elasticity]:
+        """The Elasticity of each region of the mesh."""
+        return self._regions
+
+    def InRegion(self, number: int) -> Elasticity:
+        """The Elasticity of a region, counted from 0."""
+        return self._regions[number]
+
+    def At(self, mesh: Mesh, point: Sequence[float]) -> Elasticity:
         """The Elasticity of the region that contains a point; on an interface that of either side."""
-        return self.regions[mesh[ElementId(VOL, mesh(*map(float, point)).nr)].index]
+        return self._regions[mesh[ElementId(VOL, mesh(*map(float, point)).nr)].index]
 
-    def __repr__(self):
-        return f"RegionElasticity({self.regions})"
+    def __repr__(self) -> str:
+        return f"RegionElasticity({self._regions})"

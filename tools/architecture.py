@@ -40,10 +40,17 @@ def core_uses(folder):
     return set(re.findall(r'^\s*#\s*include\s*"(\w+)/', text, re.M)) - {folder}
 
 
+class Running(ast.NodeTransformer):
+    """Without what stands there for the reader of types alone."""
+
+    def visit_If(self, node):
+        return None if isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING" else self.generic_visit(node)
+
+
 def imports(path):
-    """(layer, module) of the imports of a module from this package, those inside functions, too; module "" for the compiled core."""
+    """(layer, module) of the imports of a module from this package, those inside functions, too, those of names of types not; module "" for the core."""
     layer = BASE if path.parent == PACKAGE else path.parent.name
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(Running().visit(ast.parse(path.read_text(encoding="utf-8")))):
         if isinstance(node, ast.ImportFrom) and node.level:
             parts = (node.module or "").split(".") if node.module else []
             at = PACKAGE if node.level == 2 or layer == BASE else path.parent

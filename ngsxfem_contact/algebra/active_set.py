@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import check_positive
 from ..errors import NotConverged
 from .box_path import AT_UPPER, INSIDE, follow_path
 
@@ -32,16 +31,15 @@ class ActiveSetResult:
         return len(self.active)
 
 
-def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
+def solve_active_set(Q, q, start=None, max_iterations=100):
     """Solves p ≤ 0, w = Qp + q ≤ 0, p·w = 0.
 
-    Q: (m, m), positive definite, in any scaling.    r: positive; relative to 1/diag(Q).
+    Q: (m, m), positive definite, in any scaling; r = 1/diag(Q).
     start: first active set, boolean; default empty, see coarse_start.
     If a set comes back (a cycle) a method that decreases the energy at every step takes over, see descend; without symmetry, box_path.
     Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
     """
-    check_positive(r, "r")
-    r = r / np.diag(Q)
+    r = 1 / np.diag(Q)
     active = np.zeros(len(q), dtype=bool) if start is None else np.array(start, dtype=bool)
     if active.shape != q.shape:
         raise ValueError(f"start has {active.size} entries, there are {len(q)} nodal signs; give one boolean for each, or a ContactSolution")

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BitArray
-from scipy.sparse import csr_matrix, vstack
+from ngsolve import BaseMatrix, BitArray
+from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from .. import _ngsxfem_contact as core
+from ..protocols import DirectSolver
 from . import pardiso
 from .matrices import csr_view, mask
 
@@ -53,12 +54,13 @@ class PartialFactorisation(BackSubstitution):
         return core.SchurComplement(self.factors, self.K.shape[0], self.K.indptr, self.K.indices, self.K.data)
 
 
-def factorise(matrix, inner, K, inverse):
+def factorise(matrix: BaseMatrix, inner: BitArray, K: csc_matrix, inverse: str | None) -> DirectSolver:
     """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy that goes with a direct solver of NGSolve."""
     inverse = inverse or default_inverse(matrix.height)
-    strategies = {"sparsecholesky": PartialFactorisation, "pardiso": pardiso.Pardiso}
-    if inverse in strategies:
-        return strategies[inverse](matrix, inner, K)
+    if inverse == "sparsecholesky":
+        return PartialFactorisation(matrix, inner, K)
+    if inverse == "pardiso":
+        return pardiso.Pardiso(matrix, inner, K)
     return BackSubstitution(matrix, inner, K, inverse)
 
 
@@ -68,10 +70,10 @@ def default_inverse(size):
 
 
 @dataclass
-class ReducedLoad:
+class ReducedVector:
     """A right-hand side F with A⁻¹F as the crack feels it.  border: what is left of F at the tips' unknowns.  crack: C A⁻¹F.
 
-    Linear in F: reduced loads add and are multiplied by numbers.
+    Linear in F: reduced vectors add and are multiplied by numbers.
     """
 
     rhs: np.ndarray
@@ -79,10 +81,10 @@ class ReducedLoad:
     crack: np.ndarray
 
     def __add__(self, other):
-        return ReducedLoad(self.rhs + other.rhs, self.border + other.border, self.crack + other.crack)
+        return ReducedVector(self.rhs + other.rhs, self.border + other.border, self.crack + other.crack)
 
     def __rmul__(self, factor):
-        return ReducedLoad(factor * self.rhs, factor * self.border, factor * self.crack)
+        return ReducedVector(factor * self.rhs, factor * self.border, factor * self.crack)
 
 
 def unit_scale(diagonal):
@@ -96,7 +98,7 @@ class Elimination:
 
     Long rows would ruin the ordering of a sparse factorisation: they stay outside of it, as a border, eliminated by block elimination.
 
-    free: BitArray of the unknowns that are not fixed.    border: those whose rows are long, see `spaces.unknowns.tip_unknowns`.
+    free: BitArray of the unknowns that are not fixed.    border: those whose rows are long, see `spaces.unknowns.Unknowns`.
     inverse: name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by
         one solve for each row of C.
     S: dense (m, m).    positive: whether A is positive definite; None if the direct solver does not tell.
@@ -129,15 +131,15 @@ class Elimination:
         return (self.border_scale * np.linalg.solve(self.border_matrix, (self.border_scale * forces.T).T).T).T
 
     def Reduce(self, rhs):
-        """The ReducedLoad of a right-hand side of length ndof."""
+        """The ReducedVector of a right-hand side of length ndof."""
         t = len(self.border)
         coupled = self.factors.Couple(rhs)
         border = rhs[self.border] - coupled[:t]
-        return ReducedLoad(rhs, border, coupled[t:] + self.coupling @ self._at_border(border))
+        return ReducedVector(rhs, border, coupled[t:] + self.coupling @ self._at_border(border))
 
-    def Recover(self, load, L=None):
-        """A⁻¹(F + CᵀL) of a ReducedLoad; zero on fixed unknowns."""
-        rhs, border = load.rhs, load.border
+    def Recover(self, reduced, L=None):
+        """A⁻¹(F + CᵀL) of a ReducedVector; zero on fixed unknowns."""
+        rhs, border = reduced.rhs, reduced.border
         if L is not None:
             rhs, border = rhs + self.C.T @ L, border + self.coupling.T @ L
         at_border = self._at_border(border)

@@ -3,7 +3,8 @@
 from .checks import Coercivity, InfSup
 from .conditioning import ConditionNumber, CrackScaling
 from .friction import Coulomb, Tresca
-from .load_steps import LoadCase, LoadSteps
+from .load_case import LoadCase
+from .load_steps import LoadSteps
 from .nitsche import Nitsche
 from .problem import ContactProblem
 from .solution import ContactSolution

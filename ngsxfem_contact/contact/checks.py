@@ -11,7 +11,7 @@ from ..errors import NotCoercive, SingularSystem
 from ..operators import NormalGap
 from ..progress import doing
 from ..spaces.connectivity import RigidMotions
-from ..spaces.unknowns import tip_unknowns
+from ..spaces.unknowns import Unknowns
 from .contact_system import stiffness_form
 from .mixed_system import LocalPressures
 from .stabilisation import trait
@@ -26,11 +26,11 @@ def check_gap(system):
         raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
 
 
-def check_load(F, given, who=""):
-    """Raises ValueError for a load or given displacements, arrays, that are not finite.  who: begins the message."""
+def check_load(F, given):
+    """Raises ValueError for a load or given displacements, arrays, that are not finite."""
     for values, what, where in ((F, "the load `f`", "its coefficient functions on the whole body"), (given, "a given displacement", "Pin and SetDirichlet")):
         if not np.isfinite(values).all():
-            raise ValueError(f"{who}{what} is not finite (NaN or inf): check {where}")
+            raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
 
 
 def check_energies(F, given, stiffness):
@@ -108,7 +108,7 @@ def Coercivity(problem):
     if problem.is_mixed:
         K_gamma -= LocalPressures(problem, gamma).Stiffness()
     with doing(f"smallest eigenvalue of K - K_γ against K, {V.ndof} unknowns"):
-        return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, tip_unknowns(V)), mask(problem.free))
+        return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, Unknowns(V).tips), mask(problem.free))
 
 
 def largest_eigenvalue(A, M, M_inverse, free):
@@ -143,5 +143,5 @@ def InfSup(V, W, weight=specialcf.mesh_size):
     M = to_scipy(BilinearForm(weight * lam * mu * W.dcrack).Assemble().mat).toarray()
     if not (np.diag(M) > 0).all() or not np.isfinite(M).all():
         raise ValueError("InfSup: weight must be positive and finite on the whole crack")
-    S = Elimination(H1, V.FreeDofs(), tip_unknowns(V), B).S
+    S = Elimination(H1, V.FreeDofs(), Unknowns(V).tips, B).S
     return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))

@@ -12,6 +12,7 @@ from ngsolve.la import DiagonalMatrix, EigenValues_Preconditioner
 from ..algebra.elimination import unit_scale
 from ..algebra.matrices import csr_view
 from ..spaces.negligible import without_negligible
+from ..spaces.unknowns import Unknowns
 from .checks import check_rigid_motions
 
 
@@ -48,8 +49,8 @@ def scaling(matrix):
 
 def scaling_blocks(V):
     """The unknowns of the Heaviside functions, and those of the tips."""
-    first = 2 * V.scalar_space.ndof
-    return range(first, first + 2 * V.num_heaviside), range(first + 2 * V.num_heaviside, V.ndof)
+    unknowns = Unknowns(V)
+    return range(unknowns.heaviside.start, unknowns.heaviside.stop), unknowns.tips.tolist()
 
 
 def ConditionNumber(problem):

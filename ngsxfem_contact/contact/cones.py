@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..protocols import Cone
 from ..spaces.trace_space import mass_matrix
 
 
@@ -44,4 +45,4 @@ class Weak:
         return np.linalg.solve(self.Transformation(W), coefficients)
 
 
-CONES = {"nonpositive": Nonpositive(), "weak": Weak()}
+CONES: dict[str, Cone] = {"nonpositive": Nonpositive(), "weak": Weak()}

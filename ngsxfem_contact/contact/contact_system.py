@@ -78,11 +78,11 @@ class ContactSystem:
         mu = problem.W.TestFunction()
         return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
 
-    def Given(self, applied):
-        """The GivenTraction of an AppliedLoad: zero where nothing is given on the faces, and without γ."""
-        if self.gamma is None or not applied.acts_on_faces:
+    def Given(self, load):
+        """The GivenTraction of LoadTerms: zero where nothing is given on the faces, and without γ."""
+        if self.gamma is None or not load.acts_on_faces:
             return GivenTraction(np.zeros(self.problem.V.ndof), np.zeros(self.E.shape[0]))
-        shift = lambda component, side: applied.Shift(component, side, self.problem.body)
+        shift = lambda component, side: load.Shift(component, side, self.problem.body)
         return GivenTraction(self._given_forces(shift), np.concatenate([self._given_moments(component, shift) for component in self.components]))
 
     def _given_forces(self, shift):

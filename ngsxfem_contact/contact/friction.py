@@ -13,7 +13,7 @@ from scipy.linalg import block_diag
 
 from ..algebra.active_set import solve_active_set
 from ..algebra.nodal_newton import FixedPoint, FullNewton, Threshold, first_states, uniqueness_number, violation
-from ..arguments import INFINITY, check_function, check_number, check_positive
+from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
 from ..points import crack_points
 
@@ -25,9 +25,9 @@ class Frictionless:
     components = (NORMAL,)
     depends_on_path = False
 
-    def Solve(self, Q, q, W, cone, report, r, start, max_iterations):
+    def Solve(self, Q, q, W, cone, report, start, max_iterations):
         """p; books its iterations in the report."""
-        result = solve_active_set(Q, q, r, start, max_iterations)
+        result = solve_active_set(Q, q, start, max_iterations)
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
         return result.p
 
@@ -48,14 +48,13 @@ class Friction(ABC):
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
 
-    def Solve(self, Q, q, W, cone, report, r, start, max_iterations):
+    def Solve(self, Q, q, W, cone, report, start, max_iterations):
         """p = (p_n, p_t); books its iterations in the report.    start: nodes in contact at first."""
-        check_positive(r, "r")
         threshold = self.Threshold(W, cone)
         contact = np.array(start, dtype=bool)
         if contact.shape != (len(q) // 2,):
             raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs; give one boolean for each, or a ContactSolution")
-        result = self.method.Solve(Q, q, threshold, r / np.diag(Q), first_states(Q, q, threshold, contact), max_iterations)
+        result = self.method.Solve(Q, q, threshold, 1 / np.diag(Q), first_states(Q, q, threshold, contact), max_iterations)
         report.iterations, report.fallback, report.method = result.iterations, result.fallback, result.method
         report.active = [states.contact for states in result.states]
         report.tangential = [states.tangential for states in result.states]

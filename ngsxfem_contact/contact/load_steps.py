@@ -1,26 +1,16 @@
 """Many loads on one problem: everything sparse is done once, each step runs on the crack's own unknowns."""
 
-from ..arguments import check_number, check_options, check_type
-from ..loads.load import AppliedLoad, check_unchanged
+from collections.abc import Sequence
+from typing import Literal
+
+from ..arguments import check_number, check_type
+from ..loads.load import check_unchanged
 from ..progress import doing
-from .checks import check_load
-from .solver import STEP_OPTIONS, ReducedProblem
-
-
-class LoadCase:
-    """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case.
-
-    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite, and for given displacements that contradict
-    each other.
-    """
-
-    def __init__(self, problem):
-        problem.supports.Check()
-        self.jumps, self.held = problem.supports.NormalJumps(), frozenset(problem.supports.sides)
-        self.F = problem.f.Assemble().vec.FV().NumPy().copy()
-        self.applied = AppliedLoad.Of(problem.f)
-        self.given = problem.given.vec.FV().NumPy().copy()
-        check_load(self.F, self.given, "LoadCase: ")
+from .load_case import LoadCase
+from .options import Start, StepOptions
+from .problem import ContactProblem
+from .solution import ContactSolution
+from .solver import ReducedProblem
 
 
 class LoadSteps:
@@ -43,36 +33,44 @@ class LoadSteps:
     With friction slip is measured from the step before (`previous=None` starts afresh), so the order of steps matters.
     """
 
-    def __init__(self, problem, cases=None, inverse=None):
+    def __init__(self, problem: ContactProblem, cases: Sequence[LoadCase] | None = None, inverse: str | None = None) -> None:
         for case in cases or ():
             check_type(case, LoadCase, "LoadSteps: a case", "a LoadCase(problem)")
             if case.held != frozenset(problem.supports.sides):
                 raise ValueError("LoadSteps: SetDirichlet has freed or fixed components since a load case was made; all cases need the same ones")
-            if case.applied.acts_on_faces:
-                check_unchanged(case.applied, case.F, problem.V, "a LoadCase was made")
+            if case.load.acts_on_faces:
+                check_unchanged(case.load, case.F, problem.V, "a LoadCase was made")
         with doing("load steps"):
             self.reduced = ReducedProblem(problem, inverse)
-        self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied, case.jumps) for case in cases]
-        if not self.loads:
+        self.cases = [self.reduced.case] if cases is None else [self.reduced.Reduce(case) for case in cases]
+        if not self.cases:
             raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")
-        self.last = None
+        self.last: ContactSolution | None = None
 
-    def Solve(self, *t, start=None, **options):
+    def Solve(
+        self,
+        *t: float,
+        cone: str | None = None,
+        start: Start = None,
+        max_iterations: int = StepOptions.max_iterations,
+        previous: ContactSolution | Literal["last"] | None = "last",
+    ) -> ContactSolution:
         """The ContactSolution for the factors t, one for each case.
 
-        start: as for ContactProblem.Solve; default the active set of the step before.    options: cone, r, max_iterations, previous.
-        Raises TypeError for another option, ValueError unless there is one finite factor for each case.
+        start: as for ContactProblem.Solve; default the active set of the step before.    cone, max_iterations: as for ContactProblem.Solve.
+        previous: from which slip is measured; default the step before, None: the body without slip.
+        Raises ValueError unless there is one finite factor for each case.
         Raises NotConverged, for the displacement's own residual when `solution.u` is first used.
         """
-        check_options(options, STEP_OPTIONS, "LoadSteps.Solve")
-        if len(t) != len(self.loads):
-            raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.loads)} load case(s); give one factor for each")
+        if len(t) != len(self.cases):
+            raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.cases)} load case(s); give one factor for each")
         for i, factor in enumerate(t):
             check_number(factor, f"LoadSteps: the factor of load case {i}, t")
-        load = t[0] * self.loads[0]
-        for factor, case in zip(t[1:], self.loads[1:]):
-            load = load + factor * case
-        if self.last is not None and self.reduced.problem.friction.depends_on_path:
-            options = {"previous": self.last} | options
-        self.last = self.reduced.Step(start=self.last if start is None else start, load=load, **options)
+        case = t[0] * self.cases[0]
+        for factor, other in zip(t[1:], self.cases[1:]):
+            case = case + factor * other
+        if previous == "last":
+            previous = self.last if self.reduced.problem.friction.depends_on_path else None
+        options = StepOptions(cone, self.last if start is None else start, max_iterations, previous)
+        self.last = self.reduced.Step(options, case)
         return self.last

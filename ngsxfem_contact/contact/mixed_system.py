@@ -48,7 +48,7 @@ class LocalPressures:
     def _inverse(self):
         """M⁻¹."""
         q, p = self.space.TnT()
-        body, compliance = self.problem.body, 1 / self.problem.material.lam
+        body, compliance = self.problem.body, self.problem.material.compliance
         whole = bits(body.mesh.ne, [T.element for T in self.locations if T.kind == core.ElementKind.Tip])
         divided = self.elements & ~whole
         form = BilinearForm(self.gamma * q * p * self._crack)

@@ -28,11 +28,11 @@ from ..spaces.incompressible import is_projected
 from ..spaces.trace_space import mass_matrix
 from .cones import Nonpositive
 from .contact_system import ContactSystem, stiffness_form
-from .stabilisation import BarbosaHughes, Stabilisation
+from .stabilisation import BarbosaHughes, Defaults
 
 
 @dataclass(frozen=True)
-class Nitsche(Stabilisation):
+class Nitsche(Defaults):
     """In place of a stabilised multiplier: ContactProblem(..., stabilisation=Nitsche(theta=1)).
 
     theta: 1 (symmetric), 0 (fewest terms) or -1 (coercive for every γ).    gamma0, coercivity: γ as BarbosaHughes(gamma0,
@@ -227,7 +227,7 @@ def component_rows(problem, nodes):
     body, material = problem.body, problem.material
     jump, gradient = (nodes.Rows(problem.V, operator) for operator in ("jump", "gradlarger"))
     units = lambda n, **dims: [CoefficientFunction(tuple(row), **dims) for row in np.eye(n)]
-    stresses = [*(2 * material.mu * Sym(e) for e in units(4, dims=(2, 2))), material.lam * Id(2)]
+    stresses = [*(material.Stress(Sym(e), 0) for e in units(4, dims=(2, 2))), material.Stress(0 * Id(2), 1)]
     gradient = [*gradient, dilatation_rows(problem, nodes, gradient)]
     combined = lambda functions, rows: sum(diags(nodes.Values(f)) @ r for f, r in zip(functions, rows))
     jumps, tractions = [], []

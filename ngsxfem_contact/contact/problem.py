@@ -6,20 +6,24 @@ import numpy as np
 from ngsolve import CoefficientFunction, InnerProduct, Parameter, dx
 
 from .. import _ngsxfem_contact as core
-from ..arguments import INFINITY, check_function, check_item, check_number, check_options, check_type
+from ..arguments import INFINITY, check_function, check_item, check_number, check_type
 from ..loads.face_traction import ComparedTraction
-from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress, load_form
+from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
 from ..material import Isotropic
 from ..operators import Gradient, Minus, Plus
+from ..progress import doing
+from ..protocols import FaceLaw, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
 from .cones import CONES
 from .contact_system import ContactSystem
-from .friction import Friction, Frictionless
+from .friction import Frictionless
 from .mixed_system import MixedSystem
-from .solver import STEP_OPTIONS, solve
-from .stabilisation import BarbosaHughes, Unstabilised, check_stabilisation, softened
+from .options import Start, StepOptions
+from .solution import ContactSolution
+from .solver import ReducedProblem
+from .stabilisation import BarbosaHughes, Unstabilised, softened, trait
 
 
 def check_modes(V, material):
@@ -59,7 +63,7 @@ def material_of(V, material):
         raise TypeError("ContactProblem: there is no material; give CrackFESpace(..., material=Elasticity...), or ContactProblem(V, W, material)")
     material = own if material is None else material
     check_type(material, Isotropic, "ContactProblem: material", "an Elasticity")
-    if own is not None and getattr(material, "regions", material) != getattr(own, "regions", own):
+    if own is not None and material.regions != own.regions:
         raise ValueError(f"ContactProblem: material={material} is another one than {own} of CrackFESpace(material=...); say it once, to V")
     return material
 
@@ -106,16 +110,16 @@ class ContactProblem:
             check_number(gap, "ContactProblem: gap", lambda gap: 0 <= gap < INFINITY, "be a finite number >= 0 (the faces do not overlap at first)")
         material = material_of(V, material)
         if stabilisation is not None:
-            check_stabilisation(stabilisation, "ContactProblem: stabilisation")
-        if friction is not None and not isinstance(friction, Friction):
-            raise TypeError(f"ContactProblem: friction={friction!r} is neither Tresca(s) nor Coulomb(mu_f) nor None")
+            check_role(stabilisation, Stabilisation, "ContactProblem: stabilisation", "an object such as BarbosaHughes()")
+        if friction is not None:
+            check_role(friction, FaceLaw, "ContactProblem: friction", "Tresca(s) nor Coulomb(mu_f)")
         decide(V, material)
         check_modes(V, material)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
-        self.stabilisation = stabilisation if stabilisation is not None else Unstabilised()
+        self.stabilisation: Stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
-        self.friction = friction if friction is not None else Frictionless()
+        self.friction: FaceLaw = friction if friction is not None else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
@@ -137,7 +141,7 @@ class ContactProblem:
     @f.setter
     def f(self, form):
         """Itself after +=, or an empty LinearForm(problem.V), to begin anew."""
-        self._f = load_form(form, self.V)
+        self._f = self._f.ReplacedBy(form)
 
     @property
     def a(self):
@@ -213,10 +217,6 @@ class ContactProblem:
         gamma = self.stabilisation.Gamma(self.V, self.material, self.friction.components)
         return softened(gamma, self.a.joint)
 
-    def Loads(self):
-        """F of (38), an array."""
-        return self.f.Assemble().vec.FV().NumPy().copy()
-
     @property
     def projection(self):
         """The degree of the polynomials onto which div u is projected where the material is nearly incompressible, or None."""
@@ -225,18 +225,35 @@ class ContactProblem:
     @property
     def is_mixed(self):
         """Whether the parts beside the cracks have pressures of their own, see `mixed_system`."""
-        return isinstance(self.stabilisation, BarbosaHughes) and is_projected(self.V, self.material)
+        return trait(self.stabilisation, "frees_pressure") and is_projected(self.V, self.material)
 
     def Assemble(self):
         """The matrices of (38): a ContactSystem."""
-        return getattr(self.stabilisation, "System", MixedSystem if self.is_mixed else ContactSystem)(self)
+        own = trait(self.stabilisation, "System")
+        return own(self) if own else MixedSystem(self) if self.is_mixed else ContactSystem(self)
 
-    def Solve(self, **options):
-        """Solves and returns a ContactSolution; options: inverse, previous, cone, r, start, max_iterations, see `solver.solve`.
+    def Solve(
+        self,
+        *,
+        inverse: str | None = None,
+        cone: str | None = None,
+        start: Start = None,
+        max_iterations: int = StepOptions.max_iterations,
+        previous: ContactSolution | None = None,
+    ) -> ContactSolution:
+        """Solves and returns a ContactSolution.
 
+        inverse: NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for large problems where
+            MKL is installed.
+        cone: "nonpositive" or "weak"; default the problem's.
+        start: first active set: boolean, one for each nodal sign, or a ContactSolution on any mesh whose cracks have the same arc lengths; default:
+            that of `previous`, or from coarser sets.
+        max_iterations: of the active set.
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+        As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
         Raises SingularSystem (rigid motions left free, or multipliers that no displacement feels), NotCoercive
-        (gamma0 too large), NotConverged, TypeError for another option.
+        (gamma0 too large), NotConverged, and ValueError for data that are not finite.
         """
-        check_options(options, ("inverse", *STEP_OPTIONS), "ContactProblem.Solve")
-        return solve(self, **options)
+        options = StepOptions(cone, start, max_iterations, previous)
+        with doing("solving"):
+            return ReducedProblem(self, inverse).Solve(options)

@@ -9,7 +9,7 @@ from ngsolve import GridFunction, Id, Integrate
 from ..algebra.nodal_newton import FREE
 from ..arguments import check_item, check_regions, check_whole
 from ..fracture import stress_intensity as fracture
-from ..loads.load import AppliedLoad, check_unchanged
+from ..loads.load import LoadTerms, check_unchanged
 from ..operators import NORMAL, TANGENTIAL, NormalGap, Slip
 from ..points import crack_points
 from ..spaces.incompressible import stress, stress_power
@@ -54,15 +54,15 @@ class ContactSolution:
 
     u may be a function without arguments that computes u and the SupportResidual: it is called when one of them is first used.
     tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
-    load: the Load of this step: F, and the terms it comes from.    a: the springs and joints of the solve, a StiffnessForm.
+    case: the ReducedCase of this step: F, and the terms it comes from.    a: the springs and joints of the solve, a StiffnessForm.
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
     """
 
-    def __init__(self, problem, u, multipliers, report, gamma, state, load=None):
+    def __init__(self, problem, u, multipliers, report, gamma, state, case=None):
         self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
         self._supports = None
         self.a = problem.a.Copy()
-        self.load = load
+        self.case = case
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
     @property
@@ -78,14 +78,14 @@ class ContactSolution:
         return self.problem.body
 
     @property
-    def applied(self):
-        """The AppliedLoad that this was solved for; of a solution that was read from a file it is not known, and empty."""
-        return self.load.applied if self.load is not None else AppliedLoad()
+    def load(self):
+        """The LoadTerms that this was solved for; of a solution that was read from a file it is not known, and empty."""
+        return self.case.load if self.case is not None else LoadTerms()
 
     def CheckLoad(self):
         """Raises ValueError if a coefficient of the load, such as a Parameter, has another value now than in the solve."""
-        if self.load is not None:
-            check_unchanged(self.applied, self.load.F, self.problem.V, "the solve")
+        if self.case is not None:
+            check_unchanged(self.load, self.case.F, self.problem.V, "the solve")
 
     @property
     def stress(self):
@@ -94,7 +94,7 @@ class ContactSolution:
 
     def StressAt(self, side):
         """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point."""
-        elastic, given = self.ElasticStress(side), self.applied.stress
+        elastic, given = self.ElasticStress(side), self.load.stress
         return elastic if given is None else elastic + given
 
     def ElasticStress(self, side):
@@ -186,7 +186,7 @@ class ContactSolution:
 
     def FaceTractions(self):
         """What acts on the faces beside contact and friction: the FaceTractions that are given, and those of elastic joints."""
-        given, joint = self.applied.tractions, self.a.joint
+        given, joint = self.load.tractions, self.a.joint
         return given if joint is None else given + joint.Tractions(self.u)
 
     def Traction(self, component, side):
@@ -195,7 +195,7 @@ class ContactSolution:
         return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
 
     def _compared(self, component, side):
-        return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.applied.Shift(component, side, self.body)
+        return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.load.Shift(component, side, self.body)
 
     def Transitions(self, crack=0):
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
@@ -251,7 +251,7 @@ class ContactSolution:
     def PotentialEnergy(self):
         """Π = ½ a(u, u) - L(u), springs and given stresses included. Without friction G = -dΠ/da, a the length of the crack."""
         U = self.u.vec.FV().NumPy()
-        return self.Energy() + float((0.5 * self.a.Forces(self.u) - self.load.F) @ U)
+        return self.Energy() + float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
 
     def Draw(self, **options):
         """Shows the deformed body with the crack open in a notebook.

@@ -1,79 +1,61 @@
 """From a ContactProblem to a ContactSolution: elimination of U, the active set, and what was checked on the way."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import GridFunction
 
 from ..algebra.active_set import coarse_start
-from ..algebra.elimination import Elimination, ReducedLoad
-from ..arguments import check_type, check_whole
+from ..algebra.elimination import Elimination
 from ..errors import NotConverged
-from ..loads.load import AppliedLoad
+from ..loads.load import LoadTerms
 from ..loads.reactions import SupportResidual
-from ..progress import doing
+from ..protocols import Cone, Nodes
 from ..spaces.negligible import without_negligible
-from ..spaces.unknowns import tip_unknowns
+from ..spaces.unknowns import Unknowns
 from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
-from .cones import CONES
-from .contact_system import GivenTraction
+from .contact_system import ContactSystem
 from .friction import transformation
+from .load_case import LoadCase, ReducedCase
+from .options import StepOptions
 from .report import Report, stage
 from .solution import ContactSolution, State
 
+if TYPE_CHECKING:
+    from .problem import ContactProblem
+
 TINY = np.finfo(float).tiny
-STEP_OPTIONS = ("cone", "r", "start", "max_iterations", "previous")
-
-
-def solve(problem, inverse=None, **options):
-    """Solves a ContactProblem and returns its ContactSolution.
-
-    inverse: NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for
-    large problems where MKL is installed.    As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
-    options: cone, r, start, max_iterations, previous as for ReducedProblem.Step.
-    Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
-    """
-    with doing("solving"):
-        return ReducedProblem(problem, inverse).Solve(**options)
+CONVERGED = 1e-8  # residual and complementarity of an answer, relative
 
 
 @dataclass
-class Load:
-    """F and given displacements of one load case, eliminated: `load.reduced` is that of F + F_γ - A U_D.  g: E A⁻¹(F + F_γ - A U_D) + E U_D.
-    jumps: given at mouths, see Supports.NormalJumps.
+class NodalSolution:
+    """What was found on the crack's own unknowns: L = T p, with G the right-hand side of the second row of (38), for a case and a cone."""
 
-    given_traction: F_γ and G_γ, see `ContactSystem.Given`.    The load cases of a problem can be added and multiplied by numbers.
-    """
-
-    F: np.ndarray
-    given: np.ndarray
-    given_traction: GivenTraction
-    reduced: ReducedLoad
-    g: np.ndarray
-    applied: AppliedLoad
-    jumps: np.ndarray
-
-    def __add__(self, other):
-        return Load(*(getattr(self, part.name) + getattr(other, part.name) for part in fields(self)))
-
-    def __rmul__(self, factor):
-        return Load(*(factor * getattr(self, part.name) for part in fields(self)))
+    case: ReducedCase
+    cone: Cone
+    T: np.ndarray
+    p: np.ndarray
+    G: np.ndarray
 
     @property
-    def forces(self):
-        """F + F_γ, the right-hand side of the first row of (38)."""
-        return self.F + self.given_traction.F
+    def L(self) -> np.ndarray:
+        """The multipliers."""
+        return self.T @ self.p
 
 
 class ReducedProblem:
     """A ContactProblem with the displacements eliminated: S = E A⁻¹ Eᵀ + D_γ, g = E A⁻¹F - G, E = B - C_γ, A = K - K_γ.
 
-    Solves for several cones, starts or loads without another factorisation.    check=False: for studies of what happens
-    when K - K_γ is not coercive; the residual and the signs of a solution are checked all the same.
+    Solves for several cones, starts or loads without another factorisation.    inverse: as for ContactProblem.Solve.
+    check=False: for studies of what happens when K - K_γ is not coercive; the residual and the signs of a solution are checked all the same.
     """
 
-    def __init__(self, problem, inverse=None, check=True):
-        self.problem, self.timings, self.check, self.transformed = problem, {}, check, {}
+    def __init__(self, problem: "ContactProblem", inverse: str | None = None, check: bool = True) -> None:
+        self.problem, self.check = problem, check
+        self.timings: dict[str, float] = {}
+        self.transformed: dict[Cone, tuple[np.ndarray, np.ndarray]] = {}
         size = f"{problem.V.ndof} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             check_rigid_motions(problem)
@@ -84,79 +66,75 @@ class ReducedProblem:
             check_gap(system)
         with stage(self.timings, "factor", f"eliminating {size}"):
             free = without_negligible(system.stiffness, problem.V, problem.free)
-            self.elimination = Elimination(system.stiffness, free, tip_unknowns(problem.V), system.C, inverse)
+            self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse)
             if check:
                 check_coercive(problem, self.elimination)
             m = system.E.shape[0]
             self.S = self.elimination.S[:m] @ system.Distribute(np.eye(m)) + system.D.toarray()
         with stage(self.timings, "load", f"eliminating {size} from the load"):
-            self.initial = self._initial_load()
-            self.load = self.PresentLoad()
+            self.initial = self._initial_case()
+            self.case = self.Reduce(LoadCase(problem))
 
-    def PresentLoad(self):
-        """The Load of what the problem holds now."""
-        given, jumps = self.problem.given.vec.FV().NumPy().copy(), self.problem.supports.NormalJumps()
-        return self.Load(self.problem.Loads(), given, AppliedLoad.Of(self.problem.f), jumps)
-
-    def _initial_load(self):
+    def _initial_case(self) -> ReducedCase | None:
         """That of initial stress and temperature, which load steps do not scale; None if there are none."""
-        form, jumps = self.problem.initial, self.problem.supports.NormalJumps()
+        form = self.problem.initial
         if not form.given:
             return None
-        return self.Load(form.Assemble().vec.FV().NumPy().copy(), np.zeros(self.problem.V.ndof), AppliedLoad.Of(form), 0 * jumps)
+        return self._reduced(form.Vector(), np.zeros(self.problem.V.ndof), LoadTerms.Of(form), 0 * self.problem.supports.NormalJumps())
 
-    def Load(self, F, given, applied, jumps):
-        """The Load of a vector F and given displacements, arrays of length ndof, F the vector of `applied`: one back-substitution."""
+    def Reduce(self, case: LoadCase) -> ReducedCase:
+        """A LoadCase of the problem with the displacements eliminated: one back-substitution."""
+        return self._reduced(case.F, case.given, case.load, case.jumps)
+
+    def _reduced(self, F: np.ndarray, given: np.ndarray, load: LoadTerms, jumps: np.ndarray) -> ReducedCase:
         check_load(F, given)
         check_energies(F, given, self.system.stiffness)
-        traction = self.system.Given(applied)
+        traction = self.system.Given(load)
         forces = F + traction.F
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
-        return Load(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, applied, jumps)
+        return ReducedCase(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, load, jumps)
 
-    def Displacement(self, L, load=None):
+    def Displacement(self, L: np.ndarray, case: ReducedCase | None = None) -> np.ndarray:
         """U for a multiplier L: one back-substitution."""
-        load = load or self.load
-        return self.elimination.Recover(load.reduced, self.system.Distribute(L)) + load.given
+        case = case or self.case
+        return self.elimination.Recover(case.reduced, self.system.Distribute(L)) + case.given
 
-    def Solve(self, **options):
-        """The ContactSolution, its equations checked; options as for Step."""
-        solution = self.Step(**options)
+    def Solve(self, options: StepOptions = StepOptions(), case: ReducedCase | None = None) -> ContactSolution:
+        """The ContactSolution, its equations checked; as Step."""
+        solution = self.Step(options, case)
         solution.u  # recovered and checked now
         return solution
 
-    def Step(self, cone=None, r=1.0, start=None, max_iterations=100, load=None, previous=None):
+    def Step(self, options: StepOptions = StepOptions(), case: ReducedCase | None = None) -> ContactSolution:
         """A ContactSolution whose displacement is recovered, and whose residuals are checked, when it is first used.
 
-        cone: "nonpositive" or "weak"; default the problem's.    r: the parameter of the projection (39), relative; the
-        answer does not depend on it.    start: first active set: boolean, one for each nodal sign, or a ContactSolution
-        on any mesh whose cracks have the same arc lengths; default: that of `previous`, or from coarser sets, see
-        active_set.coarse_start.    load: a Load; default what the problem held when it was reduced.
-        previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+        case: default what the problem held when it was reduced.
         """
-        problem, load, cone = self.problem, load or self.load, problem_cone(self.problem, cone)
+        problem, case, cone = self.problem, case or self.case, options.Cone(self.problem.cone)
         self.system.CheckCone(cone)
-        load = load if self.initial is None else self.initial + load
-        check_whole(max_iterations, "max_iterations", 1)
-        check_type(previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
-        problem.supports.CheckOverlap(load.jumps, problem.gap, np.abs(load.given).max())
+        case = case if self.initial is None else self.initial + case
+        problem.supports.CheckOverlap(case.jumps, problem.gap, np.abs(case.given).max())
         report = Report(
             (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
         )
         with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
-            T, Q = self._signs(cone)
-            G = self._gaps(previous) + load.given_traction.G
-            q = T.T @ (load.g - G)
-            start = self._first_set(Q, q, start, previous, report)
-            p = problem.friction.Solve(Q, q, self.system.nodes, cone, report, r, start, max_iterations)
-        L = T @ p
-        moments = load.g + self.S @ L
-        recover = lambda: self._recover(report, load, L, G, p, T, cone)
-        work = problem.friction.Work(p, T.T @ (moments - G), self.system.nodes, cone, None if previous is None else previous.state.p)
-        state = State(self.system.nodes, L, moments - load.given_traction.G, moments - G, p, work)
-        return ContactSolution(problem, recover, multipliers(problem, self.system, L), report, self.system.gamma, state, load)
+            found = self._nodal_solution(options, case, cone, report)
+        previous, nodes, moments = options.previous, self.system.nodes, case.g + self.S @ found.L
+        residual = moments - found.G
+        work = problem.friction.Work(found.p, found.T.T @ residual, nodes, cone, None if previous is None else previous.state.p)
+        state = State(nodes, found.L, moments - case.given_traction.G, residual, found.p, work)
+        recover = lambda: self._recover(found, report)
+        return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, case)
 
-    def _gaps(self, previous):
+    def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
+        T, Q = self.Signs(cone)
+        G = self._gaps(options.previous) + case.given_traction.G
+        q = T.T @ (case.g - G)
+        start = self._first_set(Q, q, options, report)
+        p = self.problem.friction.Solve(Q, q, self.system.nodes, cone, report, start, options.max_iterations)
+        return NodalSolution(case, cone, T, p, G)
+
+    def _gaps(self, previous: ContactSolution | None) -> np.ndarray:
         """G of the second row of (38); its tangential part is (B - C_γ)_t U + D_γ L_t of the previous solution.
 
         Where a node sticks, the slip beyond the previous one is zero; measured with its stabilising part it is zero
@@ -173,10 +151,10 @@ class ReducedProblem:
         G[self.system.nodes.ndof :] = previous.state.moments[self.system.nodes.ndof :]
         return G
 
-    def _first_set(self, Q, q, start, previous, report):
-        nodes = self.system.nodes
-        if start is None and previous is not None:
-            return previous.report.active[-1]
+    def _first_set(self, Q: np.ndarray, q: np.ndarray, options: StepOptions, report: Report) -> Any:
+        nodes, start = self.system.nodes, options.start
+        if start is None and options.previous is not None:
+            return options.previous.report.active[-1]
         if isinstance(start, ContactSolution):
             return active_on(nodes, start)
         if start is not None:
@@ -186,7 +164,7 @@ class ReducedProblem:
         active[order], report.coarse_iterations = coarse_start(Q[np.ix_(order, order)], q[order])
         return active
 
-    def _signs(self, cone):
+    def Signs(self, cone: Cone) -> tuple[np.ndarray, np.ndarray]:
         """T with L = T p, and Tᵀ S T; checked once for each cone."""
         if cone not in self.transformed:
             T = transformation(self.problem.friction, cone, self.system.nodes)
@@ -196,48 +174,43 @@ class ReducedProblem:
             self.transformed[cone] = T, Q
         return self.transformed[cone]
 
-    def _recover(self, report, load, L, G, p, T, cone):
+    def _recover(self, found: NodalSolution, report: Report) -> tuple[GridFunction, SupportResidual]:
         with stage(report.timings, "recover", "recovering and checking the displacement"):
-            u, U = GridFunction(self.problem.V, "u"), self.Displacement(L, load)
-            self.Accept(report, load, U, L, G, p, T, cone)
+            u, U = GridFunction(self.problem.V, "u"), self.Displacement(found.L, found.case)
+            self._measure(found, U, report)
+            check_converged(report)
             u.vec.FV().NumPy()[:] = U
-        exerted = self.system.Stiffness(U) - load.forces - self.system.Forces(L)
+        exerted = self.system.Stiffness(U) - found.case.forces - self.system.Forces(found.L)
         return u, SupportResidual(*self.supports, exerted, -self.problem.a.Forces(u))
 
-    def Accept(self, report, load, U, L, G, p, T, cone, tolerance=1e-8):
-        """Measures the residual of (38) and the complementarity of a solution; raises NotConverged where they are not met."""
-        system, EL = self.system, self.system.Forces(L)
-        report.residual = self.elimination.RelativeResidual((load.forces, EL), U)
-        report.complementarity = complementarity(system, self.problem, U, L, G, load.g - G, p, T, cone)
-        report.converged = report.residual < tolerance and report.complementarity < tolerance
-        if not report.converged:
-            raise NotConverged(
-                f"the solution does not satisfy its own equations to {tolerance:g}: try another direct solver than inverse={self.elimination.name!r}, "
-                f"and look for elements or materials that differ by many orders of magnitude\n{report}"
-            )
+    def _measure(self, found: NodalSolution, U: np.ndarray, report: Report) -> None:
+        """The residual of (38) and the complementarity of a solution, into the report."""
+        report.residual = self.elimination.RelativeResidual((found.case.forces, self.system.Forces(found.L)), U)
+        report.complementarity = complementarity(self.system, self.problem, U, found)
+        report.converged = max(report.residual, report.complementarity) < CONVERGED
 
 
-def problem_cone(problem, cone):
-    """The cone of a name, by default the problem's; raises ValueError for an unknown one."""
-    if cone is None:
-        return problem.cone
-    if isinstance(cone, str) and cone not in CONES:
-        raise ValueError(f"cone={cone!r} is not one of {sorted(CONES)}")
-    return CONES[cone] if isinstance(cone, str) else cone
+def check_converged(report: Report) -> None:
+    """Raises NotConverged where a solution does not satisfy its own equations."""
+    if not report.converged:
+        raise NotConverged(
+            f"the solution does not satisfy its own equations to {CONVERGED:g}: try another direct solver than inverse={report.inverse!r}, "
+            f"and look for elements or materials that differ by many orders of magnitude\n{report}"
+        )
 
 
-def along_cracks(W):
+def along_cracks(nodes: Nodes) -> np.ndarray:
     """The numbers of the nodal signs in the order of their arc lengths, crack by crack."""
     first, order = 0, []
-    for positions in W.NodalPositions():
+    for positions in nodes.NodalPositions():
         order.append(first + np.argsort(positions, kind="stable"))
         first += len(positions)
     return np.concatenate(order)
 
 
-def active_on(W, solution):
-    """The active set of a solution at the nodes of W: that of the nearest of its own nodes, by arc length."""
-    theirs, ours = solution.state.nodes.NodalPositions(), W.NodalPositions()
+def active_on(nodes: Nodes, solution: ContactSolution) -> np.ndarray:
+    """The active set of a solution at some nodes: that of the nearest of its own nodes, by arc length."""
+    theirs, ours = solution.state.nodes.NodalPositions(), nodes.NodalPositions()
     if len(theirs) != len(ours):
         raise ValueError(f"start is a solution with {len(theirs)} cracks for a problem with {len(ours)}; both need the same cracks")
     states = np.split(solution.report.active[-1], np.cumsum([len(s) for s in theirs])[:-1])
@@ -245,19 +218,21 @@ def active_on(W, solution):
     return np.concatenate([state[n] for state, n in zip(states, nearest)])
 
 
-def complementarity(system, problem, U, L, G, free_gap, p, T, cone):
+def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndarray, found: NodalSolution) -> float:
     """The largest violation of the nodal conditions: pressures relative to the largest, gaps and slips to the largest displacement.
 
-    free_gap: the second row of (38) without multipliers; its jumps count as displacements, which may all be zero where contact carries the load.
+    The jumps of the second row of (38) without multipliers count as displacements, which may all be zero where contact carries the load.
     """
-    w = T.T @ (system.Moments(U, L) - G)
+    T, p = found.T, found.p
+    w = T.T @ (system.Moments(U, found.L) - found.G)
     lengths = np.maximum(np.abs(T.T) @ np.abs(system.weights), TINY)
-    displacement = max(np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max(), (np.abs(T.T @ free_gap) / lengths).max())
+    free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
+    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max())
     scale = max(np.abs(p).max(), TINY)
-    return problem.friction.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, cone)
+    return problem.friction.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, found.cone)
 
 
-def multipliers(problem, system, L):
+def multipliers(problem: "ContactProblem", system: ContactSystem, L: np.ndarray) -> list[GridFunction]:
     """L as GridFunctions: λ, and λ_t with friction."""
     names = ("multiplier", "tangential_multiplier")[: len(problem.friction.components)]
     return [system.Function(problem, values, name) for name, values in zip(names, np.split(L, len(names)))]

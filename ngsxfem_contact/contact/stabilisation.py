@@ -7,6 +7,7 @@ that ∫γ R_h(v)² diverges: with them γ falls linearly to zero within h_T of 
 
 from collections import Counter
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFunction, IfPos, sqrt, x, y
@@ -15,37 +16,34 @@ from .. import _ngsxfem_contact as core
 from ..arguments import check_number, check_positive
 from ..loads.face_traction import ComparedTraction
 from ..operators import NORMAL
+from ..protocols import Stabilisation
 from ..spaces.incompressible import WithoutPressure, is_projected, stress_power
+from ..spaces.unknowns import Unknowns
 
 
-class Stabilisation:
-    """What a stabilisation need not say: any object with `sides`, Gamma and IsSafe is one, and has these unless it has its own; see `trait`."""
+class Defaults:
+    """What a stabilisation need not say: see protocols.CompleteStabilisation."""
+
+    System: Any = None
 
     @property
-    def needs_eigenvalue(self):
-        """Whether the factorised matrix may be positive although γ is too large: False where it is K - K_γ."""
+    def needs_eigenvalue(self) -> bool:
+        """False: the factorised matrix is K - K_γ."""
         return False
 
-    def Remedy(self, smallest):
-        """What to do about the smallest eigenvalue of K - K_γ against K, which is not positive."""
+    @property
+    def frees_pressure(self) -> bool:
+        """False: the pressure of nearly incompressible parts is that of u."""
+        return False
+
+    def Remedy(self, smallest: float) -> str:
+        """A smaller γ."""
         return f"make what Gamma returns at least {1 - smallest:.3g} times smaller"
 
 
-REQUIRED = ("sides", "Gamma", "IsSafe")
-
-
-def trait(stabilisation, name):
-    """An attribute of a stabilisation; that of Stabilisation where it has none."""
-    return getattr(stabilisation, name, getattr(Stabilisation(), name))
-
-
-def check_stabilisation(stabilisation, name):
-    """Raises TypeError for what is no stabilisation."""
-    if isinstance(stabilisation, type) or not any(hasattr(stabilisation, part) for part in REQUIRED):
-        raise TypeError(f"{name}={stabilisation!r} is neither an object such as BarbosaHughes() nor None")
-    missing = [part for part in REQUIRED if not hasattr(stabilisation, part)]
-    if missing:
-        raise TypeError(f"{name}={stabilisation!r} has no {' and no '.join(missing)}; docs/extending.md says what they are")
+def trait(stabilisation: Stabilisation, name: str) -> Any:
+    """A member of CompleteStabilisation; that of Defaults where a stabilisation has none."""
+    return getattr(stabilisation, name, getattr(Defaults(), name))
 
 
 def smaller_gamma0(gamma0, smallest, otherwise):
@@ -54,7 +52,7 @@ def smaller_gamma0(gamma0, smallest, otherwise):
 
 
 @dataclass(frozen=True)
-class Unstabilised(Stabilisation):
+class Unstabilised(Defaults):
     """K_γ = C_γ = D_γ = 0."""
 
     sides = {}
@@ -69,7 +67,7 @@ class Unstabilised(Stabilisation):
 
 
 @dataclass(frozen=True)
-class BarbosaHughes(Stabilisation):
+class BarbosaHughes(Defaults):
     """γ on the cracks.
 
     gamma0: γ = gamma0 h_T with h_T the longest edge of each element; gamma has the unit of length over stress.
@@ -93,6 +91,11 @@ class BarbosaHughes(Stabilisation):
     def Gamma(self, V, material, components=(NORMAL,)):
         """γ as a CoefficientFunction on the elements that the cracks meet."""
         return element_gamma(V, self.Limits(V, material, components))
+
+    @property
+    def frees_pressure(self) -> bool:
+        """True: γ ~ h/μ, whatever λ_L is."""
+        return True
 
     def Limits(self, V, material, components=(NORMAL,)):
         """γ_T / h_T for each of crack_elements."""
@@ -120,7 +123,7 @@ class BarbosaHughes(Stabilisation):
 
 
 @dataclass(frozen=True)
-class BothSides(Stabilisation):
+class BothSides(Defaults):
     """R_h(v)² replaced by weight (σ_n(v⁺)² + σ_n(v⁻)²), R_h(v) by weight (σ_n(v⁺) + σ_n(v⁻)), γ = gamma0 h_T.
 
     weight=1 is what the authors' program does: against one ∫γλμ it is not consistent and imposes gap = γ|λ| in contact
@@ -172,7 +175,7 @@ def local_moduli(V, material):
     """What R_h is of the order of in each of crack_elements: lam + 2 mu, and 2 mu where the pressure is free."""
     modulus = GridFunction(L2(V.mesh, order=0))
     free = material.projected if is_projected(V, material) else 0
-    modulus.Set(CoefficientFunction((1 - free) * material.lam + 2 * material.mu))
+    modulus.Set(CoefficientFunction(material.Modulus(free)))
     return np.array([modulus.vec[location.element] for location in crack_elements(V.body)])
 
 
@@ -188,8 +191,7 @@ def lacks_pressure(V, law):
 
 def _nearly_incompressible(V, material):
     index = np.array([V.mesh[ElementId(T.element)].index for T in crack_elements(V.body)], dtype=int)
-    regions = getattr(material, "regions", None)
-    return np.array([(regions[i] if regions else material).nearly_incompressible for i in index], dtype=bool)
+    return np.array([material.InRegion(int(i)).nearly_incompressible for i in index], dtype=bool)
 
 
 def tip_weight(V):
@@ -246,9 +248,7 @@ def _largest_ratio(V, element, trace, energy, kernel=1e-10):
 
 def largest_of_kind(values, V, dofs):
     """For each unknown the largest of the values that have its unit: of all polynomials, or of the functions of its tip."""
-    kind = np.zeros(len(dofs), dtype=int)
-    for tip in range(len(V.body.tips)):
-        kind[np.isin(dofs, V.TipDofs(tip))] = tip + 1
+    kind = Unknowns(V).Kinds(np.array(dofs))
     largest = np.zeros(kind.max() + 1)
     np.maximum.at(largest, kind, values)
     return largest[kind]

@@ -15,6 +15,7 @@ from .. import _ngsxfem_contact as core
 from ..arguments import check_item, check_number, check_whole
 from ..operators import NORMAL, TANGENTIAL, Gradient, NormalGap, NormalStress, Slip
 from ..points import crack_points
+from ..spaces.unknowns import Unknowns
 from .factor_error import reported_error
 from .tip_fields import SIDE, TipFrame
 from .tip_integral import GivenStress, TipField, TipIntegral, auxiliary_field, elements_within, mode_fields
@@ -82,7 +83,7 @@ def material_at(solution, tip):
 
 def solution_field(solution, frame):
     """u with its load, its given stress, and what acts on the lips: the contact pressure from λ_h and R_h(u_h), λ_t, given tractions, joints."""
-    body, applied = solution.body, solution.applied
+    body, load = solution.body, solution.load
     gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
     stress = {side: solution.ElasticStress(side) for side in gradient}
     multiplier, mean = pressures(solution)
@@ -94,7 +95,7 @@ def solution_field(solution, frame):
     elif solution.a.joint is not None:  # shear that a joint carries: the mean of what it says and of σ(u_h), as for λ
         contact = contact + 0.5 * sum(0.5 * solution.Traction(TANGENTIAL, side) for side in SIDE) * body.tangent
     own = solution.FaceTractions()
-    body_force = lambda field, elements: applied.BodyForce(field, elements) + solution.a.BodyForce(solution.u, field, elements)
+    body_force = lambda field, elements: load.BodyForce(field, elements) + solution.a.BodyForce(solution.u, field, elements)
     return TipField(gradient, stress, {"plus": contact - own.plus, "minus": contact + own.minus}, body_force, given_stress(solution, frame))
 
 
@@ -103,7 +104,7 @@ def given_stress(solution, frame):
 
     Raises ValueError for a stress that jumps near the tip, whose derivative is no function.
     """
-    given = solution.applied.stress
+    given = solution.load.stress
     if given is None:
         return None
     mesh, order, parts = solution.body.mesh, solution.problem.V.order + 2, []
@@ -146,7 +147,7 @@ def disks(frame, solution, radius):
     has less than two elements in its radius.
     """
     solution.CheckLoad()
-    room, limit = frame.Clearance(solution.problem.material, solution.applied.Obstacles(frame.tip.point) + solution.a.Obstacles(frame.tip.point))
+    room, limit = frame.Clearance(solution.problem.material, solution.load.Obstacles(frame.tip.point) + solution.a.Obstacles(frame.tip.point))
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
     check_number(radius, f"the domain at the tip {frame.tip.point}: radius", lambda radius: radius > 0, "be positive")
@@ -175,7 +176,7 @@ class InteractionIntegral:
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
         u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
         integrals = [TipIntegral(solution.problem, frame, radius) for radius in radii]
-        scale = 4 * material.mu / (material.kappa + 1)
+        scale = 0.5 * material.E_prime
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
         doubt = [0.5 * scale * integrals[0].OfTraction(doubtful_traction(solution), mode) for mode in modes]
         own = mode_coefficients(solution, tip)
@@ -220,7 +221,7 @@ class JumpExtrapolation:
         points = crack_points(body, frame.tip.crack, np.abs(frame.tip.s - r))
         jumps = np.column_stack([f(points).ravel() for f in (NormalGap(solution.u, body), Slip(solution.u, body))])
         A = np.linalg.lstsq(np.column_stack([np.ones_like(r), r]), jumps / np.sqrt(r)[:, None], rcond=None)[0][0]
-        K = A * np.sqrt(2 * np.pi) * material.mu / (material.kappa + 1)
+        K = 0.125 * material.E_prime * np.sqrt(2 * np.pi) * A
         return StressIntensityFactors(float(K[0]), float(K[1]), modes=mode_coefficients(solution, tip))
 
 
@@ -233,7 +234,7 @@ def mode_coefficients(solution, tip):
     spec = V.tip_specs[tip]
     if spec is None or spec.basis != core.TipBasis.modes:
         return None
-    return tuple(float(solution.u.vec[dof]) for dof in V.TipDofs(tip))
+    return tuple(float(solution.u.vec[dof]) for dof in Unknowns(V).Tip(tip))
 
 
 def stress_intensity(solution, tip, method, radius):
@@ -264,7 +265,7 @@ def t_stress(solution, tip, radius):
     force = auxiliary_field(frame, material, dict.fromkeys((None, *SIDE), frame.PointForceGradient(material)))
     strain = np.array([TipIntegral(solution.problem, frame, r)(u, force) for r in radii])
     constant, doubt = constant_at_tip(solution, frame, material)
-    T = 8 * material.mu / (material.kappa + 1) * strain + constant
+    T = material.E_prime * strain + constant
     return TStress(float(T[0]), float(np.ptp(T)) + doubt, radii, T)
 
 
@@ -281,11 +282,10 @@ def is_closed(solution, tip):
 
 def constant_at_tip(solution, frame, material):
     """(σ_nn + σ⁰_ee - ν' σ⁰_nn at a tip, its doubt): what the lips carry, and the given stress, as a line through the last element says, and half of what bends it."""
-    given, normal, tractions = solution.applied.stress, solution.body.normal, solution.FaceTractions()
+    given, normal, tractions = solution.load.stress, solution.body.normal, solution.FaceTractions()
     constant = solution.multiplier - 0.5 * InnerProduct(tractions.plus - tractions.minus, normal)
     if given is not None:
-        ratio = (3 - material.kappa) / (1 + material.kappa)
-        constant = constant + InnerProduct(given * frame.ahead, frame.ahead) - ratio * NormalStress(given, solution.body)
+        constant = constant + InnerProduct(given * frame.ahead, frame.ahead) - material.nu_prime * NormalStress(given, solution.body)
     values, along = before_tip(solution, frame, constant), np.linspace(0.05, 1, 20)
     line, parabola = (np.polyval(np.polyfit(along, values, degree), 0.0) for degree in (1, 2))
     return float(line), 0.5 * abs(float(line - parabola))
@@ -296,7 +296,7 @@ def energy_release_rate(solution, tip, radius):
     check_item(tip, solution.body.tips, "tip", "body.tips")
     material, frame = material_at(solution, tip), TipFrame(solution.body, tip)
     K_I, K_II = InteractionIntegral(radius).Evaluate(solution, tip)
-    irwin = (material.kappa + 1) / (8 * material.mu) * (K_I**2 + K_II**2)
+    irwin = (K_I**2 + K_II**2) / material.E_prime
     u, radii = solution_field(solution, frame), disks(frame, solution, radius)
     G = np.array([0.5 * TipIntegral(solution.problem, frame, r)(u, u) for r in radii])
     return EnergyReleaseRate(float(G[0]), irwin, float(max(np.ptp(G), abs(G[0] - irwin))), radii, G)

@@ -93,7 +93,7 @@ class TipFrame:
         point, crack = np.array(self.tip.point), self.crack
         found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]
         found += obstacles
-        if hasattr(material, "regions"):
+        if material is not None and len(material.regions) > 1:
             found.append((distance_to_others(self.body.mesh, point, material), "another material"))
         for number, other in enumerate(self.body.cracks):
             if number != self.tip.crack:

@@ -52,14 +52,20 @@ class LoadForm(LinearForm):
             check_linear(term, NAME_F)
         return [GivenTerm(term) for term in terms]
 
+    def Vector(self):
+        """F of (38), an array."""
+        return self.Assemble().vec.FV().NumPy().copy()
 
-def load_form(form, V):
-    """A LoadForm on V: the form itself, or a new one for an empty LinearForm of NGSolve.    Raises TypeError for others, whose terms are not known."""
-    if isinstance(form, LoadForm) and form.V is V:
-        return form
-    if isinstance(form, LinearForm) and form.space is V and not form.integrators:
-        return LoadForm(V)
-    raise TypeError(f"{NAME_F} cannot be replaced by {form!r}; add terms to it, {NAME_F} += ..., or begin anew by {NAME_F} = LinearForm(problem.V)")
+    def ReplacedBy(self, form):
+        """The LoadForm that takes the place of this one: itself, or a new one for an empty LinearForm of NGSolve.
+
+        Raises TypeError for others, whose terms are not known.
+        """
+        if isinstance(form, LoadForm) and form.V is self.V:
+            return form
+        if isinstance(form, LinearForm) and form.space is self.V and not form.integrators:
+            return LoadForm(self.V)
+        raise TypeError(f"{NAME_F} cannot be replaced by {form!r}; add terms to it, {NAME_F} += ..., or begin anew by {NAME_F} = LinearForm(problem.V)")
 
 
 class PointLoad:
@@ -115,7 +121,7 @@ class GivenTerm:
 
 
 @dataclass(frozen=True)
-class AppliedLoad:
+class LoadTerms:
     """Σ factor · given: what a solution was solved for, whatever is added to the problem's forms later."""
 
     parts: tuple = ()
@@ -123,13 +129,13 @@ class AppliedLoad:
     @staticmethod
     def Of(form):
         """What a LoadForm holds now."""
-        return AppliedLoad(tuple((1.0, given) for given in form.given))
+        return LoadTerms(tuple((1.0, given) for given in form.given))
 
     def __add__(self, other):
-        return AppliedLoad(self.parts + other.parts)
+        return LoadTerms(self.parts + other.parts)
 
     def __rmul__(self, factor):
-        return AppliedLoad(tuple((factor * f, given) for f, given in self.parts))
+        return LoadTerms(tuple((factor * f, given) for f, given in self.parts))
 
     @cached_property
     def tractions(self):
@@ -157,7 +163,7 @@ class AppliedLoad:
         return sum(factor * given.BodyForce(field, elements) for factor, given in self.parts if factor)
 
     def Vector(self, V):
-        """F of what was applied, with the values that its coefficients have now."""
+        """F of these terms, with the values that its coefficients have now."""
         total = np.zeros(V.ndof)
         for factor, given in self.parts:
             form = LinearForm(V)
@@ -170,9 +176,9 @@ class AppliedLoad:
         return [given.Obstacle(point) for factor, given in self.parts if factor]
 
 
-def check_unchanged(applied, F, V, when):
-    """Raises ValueError if the coefficients of an AppliedLoad do not give F any more."""
-    now = applied.Vector(V)
+def check_unchanged(load, F, V, when):
+    """Raises ValueError if the coefficients of an LoadTerms do not give F any more."""
+    now = load.Vector(V)
     if not np.allclose(now, F, rtol=1e-9, atol=1e-9 * np.abs(F).max(initial=0)):
         raise ValueError(
             f"a coefficient of the load, such as a Parameter, has changed since {when}, and what is asked needs its value then: set it back, or make it anew"

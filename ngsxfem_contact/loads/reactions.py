@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from ngsolve import BND, ElementId, GridFunction, x, y
 
+from ..spaces.unknowns import Unknowns
+
 
 @dataclass(frozen=True)
 class Holder:
@@ -99,7 +101,7 @@ class SupportResidual:
         A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i and Σ y_i φ_i, and neither has a jump: their products
         with the residual are forces and moment, and only φ_i count.
         """
-        whole = Holder("springs and joints", np.arange(2 * V.scalar_space.ndof)) if self.springs.any() else None
+        whole = Holder("springs and joints", np.arange(Unknowns(V).polynomial.stop)) if self.springs.any() else None
         held = [*zip(self.holders, self._divided(V, stress)), *([(whole, self.springs[whole.dofs])] if whole else [])]
         coordinates = interpolated_coordinates(V)
         return SupportForces(support_force(V, coordinates, holder, forces) for holder, forces in held)
@@ -118,10 +120,10 @@ class SupportResidual:
             return {}
         points = V.mesh(np.zeros(len(self.edges)), np.zeros(len(self.edges)))
         points["nr"], points["x"], points["y"] = np.array([(edge.element, edge.xi, edge.eta) for edge in self.edges]).T
-        tractions = defaultdict(float)
+        tractions, unknowns = defaultdict(float), Unknowns(V)
         for edge, sigma in zip(self.edges, stress(points).reshape(-1, 2, 2)):
             for k in range(2):
-                tractions[edge.name, k * V.scalar_space.ndof + edge.vertex] += 0.5 * sigma[k] @ edge.normal
+                tractions[edge.name, unknowns.Polynomial(k).start + edge.vertex] += 0.5 * sigma[k] @ edge.normal
         return tractions
 
 
@@ -142,7 +144,7 @@ def corner_edge(mesh, name, boundary_element, vertex):
 
 def interpolated_coordinates(V):
     """The coefficients of x and y in the functions φ_i, (2, n): on straight elements zero but for the vertices."""
-    coordinates = np.zeros((2, V.scalar_space.ndof))
+    coordinates = np.zeros((2, Unknowns(V).functions))
     if V.mesh.GetCurveOrder() <= 1:
         coordinates[:, : V.mesh.nv] = V.mesh.ngmesh.Coordinates()[: V.mesh.nv, :2].T
         return coordinates
@@ -155,10 +157,11 @@ def interpolated_coordinates(V):
 
 def support_force(V, coordinates, holder, forces):
     """The SupportForce of a Holder; forces: on its unknowns."""
-    n, force, moment = V.scalar_space.ndof, np.zeros(2), 0.0
+    unknowns, force, moment = Unknowns(V), np.zeros(2), 0.0
     for k, sign in ((0, -1), (1, 1)):
-        mine = (holder.dofs >= k * n) & (holder.dofs < (k + 1) * n)
-        functions = holder.dofs[mine] - k * n
+        own = unknowns.Polynomial(k)
+        mine = (holder.dofs >= own.start) & (holder.dofs < own.stop)
+        functions = holder.dofs[mine] - own.start
         force[k] = forces[mine][functions < V.mesh.nv].sum()
         moment += sign * float(coordinates[1 - k, functions] @ forces[mine])
     return SupportForce(holder.name, force, moment, holder.point)

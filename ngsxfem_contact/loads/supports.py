@@ -9,6 +9,7 @@ from scipy.sparse.linalg import splu
 
 from ..arguments import check_function, check_regions, check_type
 from ..points import crack_points
+from ..spaces.unknowns import Unknowns
 from .boundary_samples import BoundarySamples
 from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
 from .reactions import Holder, corner_edge
@@ -159,10 +160,10 @@ class Supports:
 
     def Holders(self):
         """What holds which functions φ_i, one Holder for each name of a boundary that holds and for each vertex that only a pin does."""
-        n = self.V.scalar_space.ndof
-        dofs = {key: side.dofs[side.dofs < 2 * n] for key, side in self.sides.items()}
-        weights = {(region, k): self.samples.Lengths(region, dofs[region, k] - k * n) for region, k in dofs}
-        total = np.zeros(2 * n)
+        unknowns = Unknowns(self.V)
+        dofs = {key: side.dofs[side.dofs < unknowns.polynomial.stop] for key, side in self.sides.items()}
+        weights = {(region, k): self.samples.Lengths(region, dofs[region, k] - unknowns.Polynomial(k).start) for region, k in dofs}
+        total = np.zeros(unknowns.polynomial.stop)
         for key in dofs:
             total[dofs[key]] += weights[key]
         holders: dict[str, Holder] = {}

@@ -9,6 +9,7 @@ from ..arguments import check_number, check_positive
 from ..files import write_whole
 from ..operators import Minus, Plus
 from ..progress import doing
+from ..spaces.unknowns import Unknowns
 from .split_mesh import SplitMesh, mesh_arrays
 
 LIPS = {1: ("plus lip", "tab:red"), -1: ("minus lip", "tab:blue")}
@@ -121,7 +122,7 @@ def plot_mesh(V, ax=None):
     body = V.body
     ax = ax or pyplot().subplots(layout="constrained")[1]
     vertices, elements = mesh_arrays(body.mesh)
-    enriched = [dof for dof, _ in map(V.Heaviside, range(V.num_heaviside)) if dof < len(vertices)]  # dof i of P_k is vertex i
+    enriched = [dof for dof in Unknowns(V).enriched if dof < len(vertices)]  # dof i of P_k is vertex i
     count = np.isin(elements, enriched).sum(axis=1)
     if count.any():
         ax.tripcolor(*vertices.T, elements[count > 0], facecolors=np.where(count == 3, 2.0, 1.0)[count > 0], cmap="Blues", vmin=0, vmax=6)

@@ -8,6 +8,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..algebra.matrices import mask
+from .unknowns import Unknowns
 
 SLIVER = 1e-12  # of the largest part of an element: a smaller one holds nothing together
 HELD = 1e-8  # of a motion's size: what supports change by less is free
@@ -135,8 +136,9 @@ class RigidMotions:
         jumps = np.array([(pair[a], pair[b]) for _, a, b in across], dtype=int).reshape(-1, 2)
         there = np.flatnonzero(vertices >= 0)
         unknowns, rows = [], []
+        layout, number = Unknowns(V), np.array([j for j, _, _ in across], dtype=int)
         for k in range(2):
-            unknowns += [k * V.scalar_space.ndof + there, np.array([V.HeavisideDof(j, k) for j, _, _ in across], dtype=int)]
+            unknowns += [layout.Polynomial(k).start + there, layout.Heaviside(k).start + number]
             rows += [self.Rows(vertices[there], k), self.Rows(jumps[:, 0], k) - self.Rows(jumps[:, 1], k)]
         return np.concatenate(unknowns), np.concatenate(rows)
 

@@ -7,6 +7,7 @@ from .. import _ngsxfem_contact as core
 from ..arguments import INFINITY, check_number, check_positive, check_regions, check_type, check_whole
 from ..errors import warn
 from ..material import Elasticity, Isotropic
+from ..protocols import TipFunctions, check_role
 from .resolution import place, warn_of_coarse
 from .tip_disk import largest_disk
 
@@ -124,8 +125,8 @@ def tip_enrichments(tip, body, material):
     """One for each tip, those that are undecided with the modes of the material."""
     tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
     for enrichment in tips:
-        if enrichment is not None and not hasattr(enrichment, "Spec"):
-            raise TypeError(f"CrackFESpace: tip={enrichment!r} is neither a TipEnrichment nor None")
+        if enrichment is not None:
+            check_role(enrichment, TipFunctions, "CrackFESpace: tip", "a TipEnrichment")
     return [enrichment.With(material) if isinstance(enrichment, TipEnrichment) else enrichment for enrichment in tips]
 
 

@@ -7,7 +7,7 @@ singular part s of the divergence of the tips' modes is left as it is. a(u, v) =
 
 from dataclasses import dataclass
 
-from ngsolve import VOL, ElementId, Id, IfPos, InnerProduct, Trace
+from ngsolve import VOL, ElementId, Trace
 
 from .. import _ngsxfem_contact as core
 from ..errors import warn
@@ -56,22 +56,22 @@ def stress(material, u, side=None):
     """σ of a trial or test function or GridFunction of a CrackFESpace, a 2 × 2 CoefficientFunction; side as for Gradient."""
     if not is_projected(u.space, material):
         return material.Stress(Strain(u, side))
-    return material.lam * dilatation(material, u, side) * Id(2) + 2 * material.mu * Strain(u, side)
+    return material.Stress(Strain(u, side), dilatation(material, u, side))
 
 
 def stress_power(material, u, v, pressure=None):
     """σ(u):ε(v), in which D takes the place of both divergences.  pressure: the PressureField π: D + π/λ_L takes their place."""
     if not is_projected(u.space, material):
-        return InnerProduct(material.Stress(Strain(u)), Strain(v))
-    more = 0 if pressure is None else pressure.At(None) / IfPos(material.lam, material.lam, 1)
-    return material.lam * (dilatation(material, u) + more) * (dilatation(material, v) + more) + 2 * material.mu * InnerProduct(Strain(u), Strain(v))
+        return material.StressPower(Strain(u), Strain(v))
+    both = dilatation(material, u), dilatation(material, v)
+    return material.StressPower(Strain(u), Strain(v), both, None if pressure is None else pressure.At(None))
 
 
 def warn_of_locking(V, material, stabilisation):
     """Says by an AccuracyWarning what does not go with a nearly incompressible material."""
     if not material.nearly_incompressible:
         return
-    region = max(getattr(material, "regions", [material]), key=lambda region: region.lam / region.mu)
+    region = max(material.regions, key=lambda region: region.lam / region.mu)
     for doubt in [*doubts(V, stabilisation), *([ROUND_OFF] if region.lam > MOST * region.mu else [])]:
         warn(f"ContactProblem: the material is nearly incompressible (nu = {region.nu:.7g} in plane strain), and {doubt}")
 
@@ -83,4 +83,4 @@ def doubts(V, stabilisation):
     found = [] if projection_degree(V) >= V.globalorder - 1 else [NO_BUBBLE.format(order=V.globalorder)]
     if any(spec is not None and spec.basis == core.TipBasis.branch for spec in V.tip_specs):
         found.append(BRANCH)
-    return [*found, AT_POINTS] if hasattr(stabilisation, "System") else found
+    return [*found, AT_POINTS] if getattr(stabilisation, "System", None) else found

@@ -5,7 +5,7 @@ from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunctio
 
 from ..algebra.elimination import Elimination
 from ..arguments import check_function
-from .unknowns import tip_unknowns
+from .unknowns import Unknowns
 
 
 def Interpolant(V, plus, minus=None, tips=()):
@@ -17,19 +17,17 @@ def Interpolant(V, plus, minus=None, tips=()):
     Raises ValueError for functions that are not finite or have not two components, and for a wrong number of coefficients.
     """
     V.body.CheckMesh()
-    scalar = V.scalar_space.ndof
+    unknowns = Unknowns(V)
     one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
     u = GridFunction(V)
     vec = u.vec.FV().NumPy()
     sides = _own_sides(V)
     for component in range(2):
-        of_plus, of_minus = (values[component * scalar : (component + 1) * scalar] for values in one_sided)
-        vec[component * scalar : (component + 1) * scalar] = np.where(sides > 0, of_plus, of_minus)
-        for j in range(V.num_heaviside):
-            dof, _ = V.Heaviside(j)
-            vec[V.HeavisideDof(j, component)] = of_plus[dof] - of_minus[dof]
+        of_plus, of_minus = (values[unknowns.Polynomial(component)] for values in one_sided)
+        vec[unknowns.Polynomial(component)] = np.where(sides > 0, of_plus, of_minus)
+        vec[unknowns.Heaviside(component)] = (of_plus - of_minus)[unknowns.enriched]
     for tip, coefficients in enumerate(tips):
-        dofs = V.TipDofs(tip)
+        dofs = unknowns.Tip(tip)
         if np.shape(coefficients) != (len(dofs),) or not np.isfinite(coefficients).all():
             raise ValueError(f"Interpolant: tips[{tip}]={coefficients!r} are not {len(dofs)} finite numbers, one for each function at tip {tip}")
         vec[dofs] = coefficients
@@ -56,7 +54,8 @@ def _scalar_flags(V):
 
 def _own_sides(V):
     """+1 or -1 for each φ_i: the side of the larger part of its support, or of its node if it is not enriched."""
-    sides = np.ones(V.scalar_space.ndof, dtype=int)
+    unknowns = Unknowns(V)
+    sides = np.ones(unknowns.functions, dtype=int)
     points = np.array([vertex.point for vertex in V.mesh.vertices])
     nodes = [(NodeId(VERTEX, v.nr), points[v.nr]) for v in V.mesh.vertices]
     nodes += [(NodeId(EDGE, e.nr), points[[v.nr for v in e.vertices]].mean(axis=0)) for e in V.mesh.edges]
@@ -65,9 +64,7 @@ def _own_sides(V):
         dofs = list(V.scalar_space.GetDofNrs(node))
         if dofs:
             sides[dofs] = _side_of_nearest(V.body.cracks, tuple(place))
-    for j in range(V.num_heaviside):
-        dof, shift = V.Heaviside(j)
-        sides[dof] = shift
+    sides[unknowns.enriched] = unknowns.shifts
     return sides
 
 
@@ -90,5 +87,5 @@ def Projection(V, function, bonus_intorder=4):
     result = GridFunction(V)
     everything = BitArray(V.ndof)
     everything.Set()
-    result.vec.FV().NumPy()[:] = Elimination(mass, everything, tip_unknowns(V)).SolveRefined(load)
+    result.vec.FV().NumPy()[:] = Elimination(mass, everything, Unknowns(V).tips).SolveRefined(load)
     return result

@@ -4,6 +4,7 @@ import numpy as np
 from ngsolve import BitArray
 
 from ..algebra.matrices import csr_view
+from .unknowns import Unknowns
 
 SLIVER = 1e-4  # of the energy of φ_i: only functions with less can be negligible
 BOUND = 1e-13  # of the energy of φ_i: what a negligible function adds to the span of the others
@@ -26,9 +27,9 @@ def negligible_functions(matrix, V, free):
     """
     A = csr_view(matrix)
     energies = A.diagonal()
-    whole = energies_of_whole_functions(V, energies)
-    first = 2 * V.scalar_space.ndof
-    slivers = first + np.flatnonzero(energies[first : first + len(whole)] < SLIVER * whole)
+    unknowns = Unknowns(V)
+    whole, first = energies_of_whole_functions(unknowns, energies), unknowns.heaviside.start
+    slivers = first + np.flatnonzero(energies[unknowns.heaviside] < SLIVER * whole)
     slivers = np.array([dof for dof in slivers if free[int(dof)]], dtype=int)
     if len(slivers) == 0:
         return slivers
@@ -37,10 +38,9 @@ def negligible_functions(matrix, V, free):
     return slivers[~adds]
 
 
-def energies_of_whole_functions(V, energies):
+def energies_of_whole_functions(unknowns, energies):
     """That of φ_i for each unknown b_i, in the order of the unknowns."""
-    dofs = np.array([V.Heaviside(j)[0] for j in range(V.num_heaviside)], dtype=int)
-    return np.concatenate([energies[component * V.scalar_space.ndof + dofs] for component in range(2)])
+    return np.concatenate([energies[unknowns.Polynomial(component)][unknowns.enriched] for component in range(2)])
 
 
 def added_energies(A, bounds):

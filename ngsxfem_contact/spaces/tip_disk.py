@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from ..material import RegionElasticity
-
 
 def largest_disk(body, tip, material=None):
     """(radius, what limits it): the tip's clearance, and the distance to elements in which its functions would be wrong.
@@ -15,7 +13,7 @@ def largest_disk(body, tip, material=None):
     if body.mesh.GetCurveOrder() > 1:
         curved = body.mesh.ngmesh.Elements2D().NumPy()["curved"]
         limits.append((distance(body.mesh, np.flatnonzero(curved), tip.point), "a curved element"))
-    if isinstance(material, RegionElasticity):
+    if material is not None and len(material.regions) > 1:
         here = material.At(body.mesh, tip.point)
         foreign = np.array([region != here for region in material.regions])
         regions = body.mesh.ngmesh.Elements2D().NumPy()["index"] - 1

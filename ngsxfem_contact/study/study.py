@@ -16,6 +16,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 
 from ..contact.checks import Coercivity, InfSup
 from ..contact.cones import CONES
+from ..contact.options import StepOptions
 from ..contact.problem import ContactProblem
 from ..contact.report import Report
 from ..contact.solution import ContactSolution, State
@@ -153,7 +154,7 @@ def solve_record(reduced, cone, measure, gamma, key):
     """The record of one solve."""
     record = key | {"cone": cone, "triangles": reduced.problem.V.mesh.ne, "unknowns": [reduced.problem.V.ndof, reduced.problem.W.ndof]}
     try:
-        solution = reduced.Solve(cone=CONES[cone])
+        solution = reduced.Solve(StepOptions(cone=CONES[cone]))
     except SolveError as error:
         return record | {"error": None, "reason": f"{type(error).__name__}: {error}"}
     return record | {

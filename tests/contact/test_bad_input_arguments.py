@@ -53,7 +53,6 @@ def rough(**options):
         (lambda: Nitsche(theta=nan), "Nitsche: theta=nan is not one of"),
         (lambda: Nitsche(gamma0=nan), "Nitsche: gamma0=nan must be positive"),
         (lambda: Nitsche(coercivity=nan), "Nitsche: coercivity=nan must lie between 0 and 1"),
-        (lambda: PROBLEM.Solve(r=nan), "r=nan must be positive and finite"),
         (lambda: PROBLEM.Solve(max_iterations=0), "max_iterations=0 must be 1 or more"),
         (lambda: PROBLEM.Solve(start=[True]), "start has 1 entries, there are .* give one boolean for each"),
         (lambda: PROBLEM.Solve(cone="strong"), "cone='strong' is not one of"),
@@ -127,7 +126,6 @@ def test_values(call, message):
         (lambda: PROBLEM.SetDirichlet((0, 0), None), "region=None is not the name of a boundary"),
         (lambda: PROBLEM.SetDirichlet("up", "top"), "SetDirichlet: value='up' is neither a number nor a CoefficientFunction"),
         (lambda: PROBLEM.Solve(max_iterations=nan), "max_iterations=nan is not a whole number"),
-        (lambda: PROBLEM.Solve(r="a"), "r='a' is not a number"),
         (lambda: PROBLEM.Solve(previous=3), "previous=3 is not the ContactSolution"),
         (lambda: LoadSteps(PROBLEM, [3]), r"3 is not a LoadCase\(problem\)"),
         (lambda: LoadSteps(PROBLEM).Solve("half"), "t='half' is not a number"),
@@ -193,7 +191,7 @@ def test_loads(load):
     problem.f += load * V.TestFunction() * problem.body.dx
     with pytest.raises(ValueError, match=r"the load `f` is not finite \(NaN or inf\)"):
         problem.Solve()
-    with pytest.raises(ValueError, match="LoadCase: the load `f` is not finite"):
+    with pytest.raises(ValueError, match="^the load `f` is not finite"):
         LoadCase(problem)
 
 

@@ -248,12 +248,6 @@ def test_theta_out_of_range(theta):
         BarbosaHughes(theta=theta)
 
 
-@pytest.mark.parametrize("r", [0, -1, nan])
-def test_projection_parameter_out_of_range(r):
-    with pytest.raises(ValueError, match=r"\br\b.*positive"):
-        pinned().Solve(r=r)
-
-
 def test_modes_of_another_material():
     """Their coefficients would not be the stress intensity factors, and their lips not free of traction."""
     V = CrackFESpace(BODY, order=1, tip=TipEnrichment(material=Elasticity(5, 1)))

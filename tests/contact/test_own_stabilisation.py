@@ -1,5 +1,7 @@
 """Stabilisations as docs/extending.md describes them, the remedies of messages, and options of Solve."""
 
+import inspect
+from dataclasses import fields
 from math import isnan
 
 import numpy as np
@@ -9,7 +11,7 @@ from ngsolve import CF, SetNumThreads, x
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, Nitsche, TipEnrichment, TraceSpace
 from ngsxfem_contact.contact import BothSides
-from ngsxfem_contact.contact.solver import STEP_OPTIONS
+from ngsxfem_contact.contact.options import StepOptions
 from ngsxfem_contact.errors import NotCoercive, SingularSystem
 
 SetNumThreads(1)
@@ -94,11 +96,18 @@ def test_the_weak_cone_is_refused_wherever_it_is_given():
 
 def test_unknown_options_are_named():
     contact = problem(BarbosaHughes())
-    with pytest.raises(TypeError, match="ContactProblem.Solve has no option 'max_iteration'; it has inverse, cone"):
+    with pytest.raises(TypeError, match="Solve.. got an unexpected keyword argument 'max_iteration'"):
         contact.Solve(max_iteration=3)
-    with pytest.raises(TypeError, match="LoadSteps.Solve has no option 'load'"):
+    with pytest.raises(TypeError, match="Solve.. got an unexpected keyword argument 'load'"):
         LoadSteps(contact).Solve(1.0, load=None)
-    contact.Solve(**dict(zip(STEP_OPTIONS, ("nonpositive", 2.0, None, 50, None))), inverse="sparsecholesky")
+    contact.Solve(inverse="sparsecholesky", cone="nonpositive", start=None, max_iterations=50, previous=None)
+
+
+def test_each_default_is_that_of_the_options():
+    for solve in (ContactProblem.Solve, LoadSteps.Solve):
+        given = {name: argument.default for name, argument in inspect.signature(solve).parameters.items() if argument.kind is argument.KEYWORD_ONLY}
+        assert given.keys() - {"inverse"} == {option.name for option in fields(StepOptions)}
+        assert {name: value for name, value in given.items() if name not in ("inverse", "previous")}.items() <= vars(StepOptions()).items()
 
 
 def test_converged_is_said_when_it_is_known():

@@ -16,7 +16,7 @@ from ngsxfem_contact.algebra.elimination import BackSubstitution, Elimination, P
 from ngsxfem_contact.algebra.matrices import to_scipy
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.errors import NotCoercive, NotConverged, SingularSystem
-from ngsxfem_contact.spaces.unknowns import tip_unknowns
+from ngsxfem_contact.spaces.unknowns import Unknowns
 from ngsxfem_contact.study.paper import PAIRS, paper_problem, unstructured_mesh
 
 SetNumThreads(1)
@@ -54,7 +54,7 @@ def dense_elimination(problem, system):
 def test_elimination_is_that_of_dense_algebra(inverse, tip):
     problem = problem_on(pair="P1/P1", tip=TIPS[tip])
     system = problem.Assemble()
-    elimination = Elimination(system.stiffness, problem.free, tip_unknowns(problem.V), system.E, inverse)
+    elimination = Elimination(system.stiffness, problem.free, Unknowns(problem.V).tips, system.E, inverse)
     A_inverse, S = dense_elimination(problem, system)
     rng = np.random.default_rng(0)
     rhs, L = rng.standard_normal(problem.V.ndof), rng.standard_normal(problem.W.ndof)
@@ -209,7 +209,7 @@ def test_load_cases_are_finite():
 def test_a_displacement_that_does_not_solve_raises_when_it_is_used():
     reduced = ReducedProblem(problem_on(pair="P1/P0"))
     solution = reduced.Step()
-    reduced.load.reduced.rhs[:] = 2 * reduced.load.reduced.rhs
+    reduced.case.reduced.rhs[:] = 2 * reduced.case.reduced.rhs
     with pytest.raises(NotConverged, match="does not satisfy its own equations"):
         solution.u
 

@@ -12,7 +12,7 @@ from ngsxfem_contact.algebra import pardiso
 from ngsxfem_contact.algebra.elimination import Elimination
 from ngsxfem_contact.contact.checks import Coercivity
 from ngsxfem_contact.contact.stabilisation import trace_constants
-from ngsxfem_contact.spaces.unknowns import tip_unknowns
+from ngsxfem_contact.spaces.unknowns import Unknowns
 
 SetNumThreads(1)
 
@@ -102,7 +102,7 @@ def test_tips_with_different_functions_are_eliminated_together(kinds):
         V = CrackFESpace(body, order=1, tip=[TipEnrichment(material=material, functions=kind) for kind in kinds], dirichlet="bottom")
         problem = ContactProblem(V, TraceSpace(body), material)
         problem.f += E * CF((0, x - 0.4)) * V.TestFunction() * body.ds("top")
-        signs.append(Elimination(problem.Assemble().stiffness, problem.free, tip_unknowns(V)).positive)
+        signs.append(Elimination(problem.Assemble().stiffness, problem.free, Unknowns(V).tips).positive)
         residuals.append(problem.Solve().report.residual)
     assert all(signs) and max(residuals) < 1e-12
 
@@ -112,7 +112,7 @@ def test_the_residual_sees_an_error_in_unknowns_of_any_unit():
     for E in (1e-12, 1.0, 1e12):
         problem = loaded(E, 1, 1, "modes", "Barbosa, Hughes")
         V, matrix = problem.V, problem.Assemble().stiffness
-        elimination, F = Elimination(matrix, problem.free, tip_unknowns(V)), problem.f.Assemble().vec.FV().NumPy().copy()
+        elimination, F = Elimination(matrix, problem.free, Unknowns(V).tips), problem.f.Assemble().vec.FV().NumPy().copy()
         U = elimination.Solve(F)
         assert elimination.RelativeResidual([F], U) < 1e-13
         for part in (slice(0, 2 * V.scalar_space.ndof), V.TipDofs(0)):

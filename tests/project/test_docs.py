@@ -8,13 +8,20 @@ import runpy
 from pathlib import Path
 
 import numpy as np
+import pytest
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, IfPos, Mesh, specialcf, y
 
 import ngsxfem_contact
-from ngsxfem_contact import BarbosaHughes, Coulomb, Tresca
-from ngsxfem_contact.contact import Coercivity
+from ngsxfem_contact import BarbosaHughes, Coulomb, Nitsche, TipEnrichment, Tresca, protocols
+from ngsxfem_contact.algebra.elimination import BackSubstitution, PartialFactorisation
+from ngsxfem_contact.algebra.pardiso import Pardiso
+from ngsxfem_contact.contact import BothSides, Coercivity
+from ngsxfem_contact.contact.cones import CONES
+from ngsxfem_contact.contact.friction import Frictionless
+from ngsxfem_contact.contact.stabilisation import Unstabilised
 from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, pressure_error, rotated_square, uniform_compression, uniform_stress
+from ngsxfem_contact.operators import NORMAL
 from ngsxfem_contact.study.paper import MATERIAL, paper_problem, unstructured_mesh
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -44,20 +51,93 @@ def code_of(page):
     return re.findall(r"```python\n(.*?)```", (DOCS / page).read_text(encoding="utf-8"), re.DOTALL)
 
 
+def added(name):
+    """What docs/extending.md adds under a name."""
+    names = {}
+    (block,) = (code for code in code_of("extending.md") if re.search(rf"^(class|def) {name}\b", code, re.M))
+    exec(block, names)
+    return names[name]
+
+
+@pytest.mark.parametrize("role", ["Stabilisation", "CompleteStabilisation", "FaceLaw", "TipFunctions", "Cone", "DirectSolver"])
+def test_the_members_of_roles_are_those_of_the_protocols(role):
+    """Names and arguments; a complete stabilisation lists what it has beside."""
+    text = (DOCS / "extending.md").read_text(encoding="utf-8")
+    listed = re.search(rf"`protocols\.{role}`(?:.|\n)*?\n\n((?:- .*\n|  .*\n)+)", text)[1]
+    described = dict(re.findall(r"^- `(\w+)(\(.*?\))?`:", listed, re.M))
+    protocol = getattr(protocols, role)
+    names = set(protocols.members(protocol)) - set(protocols.members(protocols.Stabilisation) if role == "CompleteStabilisation" else ())
+    assert described.keys() == names and len(names) >= 2
+    for name in names:
+        arguments = list(inspect.signature(vars(protocol)[name]).parameters)[1:] if inspect.isfunction(vars(protocol).get(name)) else None
+        assert described[name] == ("" if arguments is None else f"({', '.join(arguments)})")
+
+
+@pytest.mark.parametrize(
+    "role, things",
+    [
+        (protocols.CompleteStabilisation, [BarbosaHughes(), BothSides(1), Nitsche(), Unstabilised()]),
+        (protocols.Stabilisation, [added("Constant")(1), added("CutLength")()]),
+        (protocols.FaceLaw, [Frictionless(), Coulomb(0.3), Tresca(1), added("NoSeparation")(), added("MohrCoulomb")(0, 0)]),
+        (protocols.TipFunctions, [TipEnrichment(), added("HalfTheRoom")(MATERIAL)]),
+        (protocols.Cone, [*CONES.values()]),
+        (protocols.DirectSolver, [PartialFactorisation, BackSubstitution, Pardiso]),
+    ],
+)
+def test_each_object_has_its_role(role, things):
+    """Members, and the arguments of methods by name and order."""
+    for thing in things:
+        for name in protocols.members(role):
+            owner = next((each for each in role.__mro__ if name in vars(each)), None)
+            if owner is not None and inspect.isfunction(vars(owner)[name]):
+                asked = list(inspect.signature(vars(owner)[name]).parameters)[1:]
+                has = list(inspect.signature(getattr(thing, name)).parameters)
+                assert [a for a in has if a != "self"][: len(asked)] in (asked, ["W" if a == "nodes" else a for a in asked]), (thing, name)
+            elif not isinstance(thing, type):
+                assert hasattr(thing, name), (thing, name)
+
+
+def test_what_a_role_lacks_is_named():
+    class Half:
+        sides = {"larger": 1}
+        components = (NORMAL,)
+        tolerance = 1e-5
+
+    problem = paper_problem(unstructured_mesh(0.2))
+    for role in ({"stabilisation": Half()}, {"friction": Half()}):
+        (option,) = role
+        missing = {"stabilisation": "has no Gamma and no IsSafe", "friction": "has no depends_on_path and no Solve and no Work and no Violation"}[option]
+        with pytest.raises(TypeError, match=f"ContactProblem: {option}=.* {missing}; docs/extending.md"):
+            ngsxfem_contact.ContactProblem(problem.V, problem.W, MATERIAL, **role)
+    with pytest.raises(TypeError, match="CrackFESpace: tip=.* has no Spec; docs/extending.md"):
+        ngsxfem_contact.CrackFESpace(problem.body, tip=Half())
+
+
+def test_the_minimal_objects_work():
+    mesh = unstructured_mesh(0.088)
+    usual = paper_problem(mesh).Solve()
+    constant = paper_problem(mesh, stabilisation=added("Constant")(1e-3)).Solve()
+    assert constant.ContactForce() == pytest.approx(usual.ContactForce(), rel=0.02)
+    pressed, held = paper_problem(mesh, "C").Solve(), paper_problem(mesh, "C", friction=added("NoSeparation")()).Solve()
+    assert pressed.report.Counts()["contact"] < len(pressed.report.active[-1]) == held.report.Counts()["contact"]
+    assert held.Profile().sigma_n.max() > 0 and np.abs(held.state.residual).max() < 1e-10
+    problem = paper_problem(mesh)
+    V = ngsxfem_contact.CrackFESpace(problem.body, order=2, tip=added("HalfTheRoom")(MATERIAL))
+    assert V.tip_specs[0].r1 == 0.5 * problem.body.tips[0].clearance
+
+
 def test_the_stabilisation_that_is_added_works():
     """Coercive as the one it is made from, exact for a linear displacement, close to it for the paper's test."""
-    names = {}
-    exec(code_of("extending.md")[0], names)
-    added = names["CutLength"]()
+    own = added("CutLength")()
     mesh = unstructured_mesh(0.088)
-    problem, usual = (paper_problem(mesh, stabilisation=s) for s in (added, BarbosaHughes()))
+    problem, usual = (paper_problem(mesh, stabilisation=s) for s in (own, BarbosaHughes()))
     assert 1 > Coercivity(problem) >= Coercivity(usual) >= 0.5
     assert abs(problem.Solve().ContactForce() / usual.Solve().ContactForce() - 1) < 0.02
 
     exact, angle, offset = uniform_compression(MATERIAL), 0.3, (0.01, 0.02)
     body = ngsxfem_contact.CrackedMesh(rotated_square(angle, offset, 0.2), crack_on_axis(*mouths(angle, offset)))
     V = ngsxfem_contact.CrackFESpace(body, order=1, dirichlet="outer")
-    patch = ngsxfem_contact.ContactProblem(V, ngsxfem_contact.TraceSpace(body, order=1), MATERIAL, stabilisation=added)
+    patch = ngsxfem_contact.ContactProblem(V, ngsxfem_contact.TraceSpace(body, order=1), MATERIAL, stabilisation=own)
     patch.SetDirichlet(exact.u, "outer")
     assert pressure_error(patch.Solve(), exact) < 1e-10
 
@@ -85,9 +165,7 @@ def test_the_guide_names_what_exists():
 
 def test_the_law_of_friction_that_is_added_works():
     """A block that slides under pressure 1: λ_t = c + μ_f; and the laws that it contains."""
-    names = {}
-    exec(code_of("extending.md")[2], names)
-    law, angle, offset = names["MohrCoulomb"], 0.41, (0.03, -0.02)
+    law, angle, offset = added("MohrCoulomb"), 0.41, (0.03, -0.02)
     exact = uniform_stress(MATERIAL, 0.3, 0.25, -1)
     body = ngsxfem_contact.CrackedMesh(rotated_square(angle, offset, 0.2), crack_on_axis(*mouths(angle, offset)))
     V = ngsxfem_contact.CrackFESpace(body, order=2, dirichlet="outer")
@@ -97,8 +175,8 @@ def test_the_law_of_friction_that_is_added_works():
     assert np.abs(solution.Profile().sigma_t - 0.25).max() < 1e-9 and np.abs(solution.Profile().slip - 0.1).max() < 1e-9
 
     mesh = unstructured_mesh(0.06)
-    for added, known in ((law(0, 0.3), Coulomb(0.3)), (law(0.05, 0), Tresca(0.05, in_contact_only=True))):
-        ours, theirs = (paper_problem(mesh, "C", friction=friction).Solve().Multipliers() for friction in (added, known))
+    for own, known in ((law(0, 0.3), Coulomb(0.3)), (law(0.05, 0), Tresca(0.05, in_contact_only=True))):
+        ours, theirs = (paper_problem(mesh, "C", friction=friction).Solve().Multipliers() for friction in (own, known))
         assert np.abs(ours - theirs).max() < 1e-10 * np.abs(theirs).max()
     both = paper_problem(mesh, "C", friction=law(0.01, 0.3)).Solve()
     p_n, p_t = np.split(both.Multipliers(), 2)
@@ -107,10 +185,8 @@ def test_the_law_of_friction_that_is_added_works():
 
 def test_the_crack_shape_that_is_added_works():
     """Length and curvature of the logarithmic spiral, and hydrostatic pressure on it."""
-    names = {}
-    exec(code_of("extending.md")[3], names)
     k, scale, centre = 0.3, 0.2, (0.5, 0.02)
-    crack = names["spiral"](centre, scale, k, 0.2, 1.8)
+    crack = added("spiral")(centre, scale, k, 0.2, 1.8)
     r = [scale * np.exp(k * t) for t in (0.2, 1.8)]
     assert abs(crack.length - np.sqrt(1 + k * k) / k * (r[1] - r[0])) < 1e-8
     for s in np.linspace(0, crack.length, 7):

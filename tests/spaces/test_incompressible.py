@@ -105,7 +105,7 @@ def test_the_pressures_of_their_own_make_the_multiplier_the_traction():
 def test_the_energy_is_that_of_the_pressures():
     """Half the work of the loads where they alone act: L(u) = a(u, u), up to what the contact's stabilisation holds."""
     solution = problem(0.4999, (0, -1)).Solve()
-    work = float(solution.load.F @ solution.u.vec.FV().NumPy())
+    work = float(solution.case.F @ solution.u.vec.FV().NumPy())
     assert solution.Energy() == pytest.approx(0.5 * work, rel=0.01)
 
 

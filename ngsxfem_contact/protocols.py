@@ -1,0 +1,148 @@
+"""The roles: what each part asks of objects that others may write. docs/extending.md has a minimal object for each that is meant for users.
+
+An object has a role if it has the members; it need not inherit from anything here.    `check_role` names those that are missing.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ngsolve import CoefficientFunction
+
+    from ._ngsxfem_contact import CrackedMesh, CrackFESpace, Tip, TipSpec
+    from .contact.contact_system import ContactSystem
+    from .contact.problem import ContactProblem
+    from .contact.report import Report
+    from .material import Isotropic
+    from .operators import Component
+
+
+class Nodes(Protocol):
+    """Where the signs of the multiplier are taken: a TraceSpace, or what stands for it."""
+
+    ndof: int
+    """The number of the multiplier's unknowns."""
+
+    @property
+    def body(self) -> "CrackedMesh":
+        """The body whose cracks they are on."""
+
+    def NodalPositions(self) -> "Sequence[np.ndarray]":
+        """For each crack the arc lengths of its nodes."""
+
+    def NodalValues(self) -> np.ndarray | None:
+        """The values of the multiplier's functions at the nodes, (ndof, ndof); None where they are the identity."""
+
+
+class Cone(Protocol):
+    """A cone of multipliers, {L = T p, p ≤ 0}; the part of the condition that it leaves is p ≤ 0, Tᵀr ≤ 0, p·Tᵀr = 0."""
+
+    def Transformation(self, W: Any) -> np.ndarray:
+        """T, dense; W: the nodes."""
+
+    def Values(self, W: Any, nodal: np.ndarray) -> np.ndarray:
+        """The p of a function with the given nodal values."""
+
+
+class Stabilisation(Protocol):
+    """How the multiplier is stabilised: γ and R_h of (12)."""
+
+    @property
+    def sides(self) -> Mapping[str, float]:
+        """Which one-sided stresses take part in R_h, "plus", "minus" or "larger" (of the larger part of each element), with their weights."""
+
+    def Gamma(self, V: "CrackFESpace", material: "Isotropic", components: "Sequence[Component]") -> "CoefficientFunction | None":
+        """γ on the elements that the cracks meet, length over stress; None for none.    components: those of the traction that take part."""
+
+    def IsSafe(self, V: "CrackFESpace", material: "Isotropic", components: "Sequence[Component]") -> bool:
+        """Whether K - K_γ is known to be positive; if not, and if the direct solver does not see it, its smallest eigenvalue is computed."""
+
+
+class CompleteStabilisation(Stabilisation, Protocol):
+    """What the solver asks of a stabilisation beside; one without has those of `contact.stabilisation.Defaults`."""
+
+    @property
+    def needs_eigenvalue(self) -> bool:
+        """Whether the factorised matrix may be positive although γ is too large: False where it is K - K_γ."""
+
+    @property
+    def frees_pressure(self) -> bool:
+        """Whether parts of nearly incompressible material beside a crack have pressures of their own, which γ then leaves out."""
+
+    def Remedy(self, smallest: float) -> str:
+        """What to do about the smallest eigenvalue of K - K_γ against K, which is not positive: the end of the message of NotCoercive."""
+
+    @property
+    def System(self) -> "Callable[[ContactProblem], ContactSystem] | None":
+        """What makes the matrices of a method of its own; None: those of (38)."""
+
+
+class FaceLaw(Protocol):
+    """The law of the faces: which components of the traction there are, and how p is found from w = Q p + q.
+
+    p are the nodal values whose signs are checked, of all components one after the other; w minus the weighted gaps and slips.
+    """
+
+    @property
+    def components(self) -> "Sequence[Component]":
+        """Of the traction and the jump: operators.NORMAL, and TANGENTIAL with friction."""
+
+    @property
+    def depends_on_path(self) -> bool:
+        """Whether load steps hand the last solution on, from which slip is measured."""
+
+    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Any, cone: Cone, report: "Report", start: Any, max_iterations: int) -> np.ndarray:
+        """p.    start: nodes in contact at first, boolean.    The iterations, and the active set of each, go into the report."""
+
+    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Any, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
+        """(what is dissipated in a step, how far it may be off).    before: p of the last step, or None."""
+
+    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Any, cone: Cone) -> float:
+        """The largest violation of the law, relative; p is divided by `scale`, its largest value, w by the largest displacement."""
+
+
+class TipFunctions(Protocol):
+    """The enrichment of a tip."""
+
+    @property
+    def tolerance(self) -> float:
+        """Of the integration rules around the tip, relative to the integral over an element."""
+
+    def Spec(self, body: "CrackedMesh", tip: "Tip") -> "TipSpec":
+        """Which functions with which cut-off there are at one tip of `body.tips`; raises ValueError for a disk that does not fit."""
+
+
+class DirectSolver(Protocol):
+    """A factorised symmetric matrix A, and K A⁻¹Kᵀ for some rows K: what `algebra.elimination.factorise` returns."""
+
+    name: str
+    """As in Solve(inverse=...)."""
+
+    schur: np.ndarray
+    """K A⁻¹Kᵀ, dense."""
+
+    positive: bool | None
+    """Whether A is positive definite; None: the solver does not tell."""
+
+    def Solve(self, rhs: np.ndarray) -> np.ndarray:
+        """A⁻¹ rhs; zero where an unknown is not in the factorisation."""
+
+    def Couple(self, rhs: np.ndarray) -> np.ndarray:
+        """K A⁻¹ rhs."""
+
+
+def members(role: type) -> list[str]:
+    """The names of the members of a role, those that it inherits among them."""
+    classes = [each for each in role.__mro__ if getattr(each, "_is_protocol", False) and each is not Protocol]
+    return list(dict.fromkeys(name for each in reversed(classes) for name in (*each.__annotations__, *vars(each)) if not name.startswith("_")))
+
+
+def check_role(value: object, role: type, name: str, otherwise: str) -> None:
+    """Raises TypeError that says what value lacks of a role; otherwise: what it should have been, for one that has none of its members."""
+    missing = [member for member in members(role) if not hasattr(value, member)]
+    if isinstance(value, type) or len(missing) == len(members(role)):
+        raise TypeError(f"{name}={value!r} is neither {otherwise} nor None")
+    if missing:
+        raise TypeError(f"{name}={value!r} has no {' and no '.join(missing)}; docs/extending.md says what they are")
