@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
+import scipy
 from ngsolve import Mesh
-from scipy.interpolate import CubicSpline
 
 from ._ngsxfem_contact import Crack
 from .arguments import check_function, check_number, check_positive, check_type
@@ -49,7 +49,7 @@ def spline(points, ends="not-a-knot"):
         raise ValueError(f"Crack.Spline: points {i} and {i + 1} coincide at {tuple(points[i].tolist())}; remove one of them")
     if len(points) == 2:
         return Crack([tuple(p) for p in points.tolist()])
-    return of_spline(CubicSpline(np.concatenate([[0], np.cumsum(chords)]), points, bc_type=ends))
+    return of_spline(scipy.interpolate.CubicSpline(np.concatenate([[0], np.cumsum(chords)]), points, bc_type=ends))
 
 
 def curve(function, t0, t1, tolerance=1e-7, max_pieces=4096):
@@ -90,7 +90,7 @@ def fitted(at, t, tolerance, max_pieces):
     """
     shortest = (t[-1] - t[0]) / max_pieces
     while True:
-        spline = CubicSpline(t, at(t))
+        spline = scipy.interpolate.CubicSpline(t, at(t))
         middle = 0.5 * (t[1:] + t[:-1])
         off, tangent = at(middle) - spline(middle), spline(middle, 1)
         errors = np.abs(off[:, 0] * tangent[:, 1] - off[:, 1] * tangent[:, 0]) / np.hypot(*tangent.T)
@@ -234,7 +234,7 @@ class LevelSetChain:
             return Crack([tuple(p) for p in ends.tolist()])
         chords = np.hypot(*np.diff(points, axis=0).T)
         t = np.concatenate([[0], np.cumsum(chords)])
-        first = CubicSpline(t, points)
+        first = scipy.interpolate.CubicSpline(t, points)
 
         def at(s):
             inner, tangent = (s > 0) & (s < t[-1]), first(s, 1)  # beside the ends there may be no mesh

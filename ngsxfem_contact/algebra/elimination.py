@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from ngsolve import BaseMatrix, BitArray
-from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from .. import _ngsxfem_contact as core
 from ..protocols import DirectSolver
@@ -54,7 +54,7 @@ class PartialFactorisation(BackSubstitution):
         return core.SchurComplement(self.factors, self.K.shape[0], self.K.indptr, self.K.indices, self.K.data)
 
 
-def factorise(matrix: BaseMatrix, inner: BitArray, K: csc_matrix, inverse: str | None) -> DirectSolver:
+def factorise(matrix: BaseMatrix, inner: BitArray, K: "scipy.sparse.csc_matrix", inverse: str | None) -> DirectSolver:
     """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy that goes with a direct solver of NGSolve."""
     inverse = inverse or default_inverse(matrix.height)
     if inverse == "sparsecholesky":
@@ -105,7 +105,7 @@ class Elimination:
     """
 
     def __init__(self, matrix, free, border=(), C=None, inverse=None):
-        self.matrix, self.C = matrix, csr_matrix((0, matrix.height)) if C is None else C
+        self.matrix, self.C = matrix, scipy.sparse.csr_matrix((0, matrix.height)) if C is None else C
         self.fixed = ~mask(free)
         self.scale = np.where(self.fixed, 0, unit_scale(csr_view(matrix).diagonal()))
         self.border = np.array([dof for dof in border if free[int(dof)]], dtype=int)
@@ -113,7 +113,7 @@ class Elimination:
         for dof in self.border:
             inner.Clear(int(dof))
         self.border_rows = csr_view(matrix)[self.border]
-        K = vstack([self.border_rows, self.C]).tocsc()
+        K = scipy.sparse.vstack([self.border_rows, self.C]).tocsc()
         self.factors = factorise(matrix, inner, K, inverse)
         self.name = self.factors.name
         self._eliminate_border(self.factors.schur)

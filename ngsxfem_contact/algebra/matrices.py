@@ -1,8 +1,8 @@
 """Vectors and matrices of NGSolve as those of numpy and scipy."""
 
 import numpy as np
+import scipy
 from ngsolve import CreateVVector, Projector
-from scipy.sparse import csr_matrix
 
 
 def mask(bits):
@@ -16,13 +16,13 @@ def mask(bits):
 def to_scipy(matrix):
     """A matrix of NGSolve as a scipy matrix in CSR format."""
     values, columns, rows = matrix.CSR()
-    return csr_matrix((np.array(values), np.array(columns), np.array(rows)), shape=(matrix.height, matrix.width))
+    return scipy.sparse.csr_matrix((np.array(values), np.array(columns), np.array(rows)), shape=(matrix.height, matrix.width))
 
 
 def csr_view(matrix):
     """The same without a copy: valid as long as the matrix is."""
     values, columns, rows = (np.asarray(part) for part in matrix.CSR())
-    return csr_matrix((values, columns, rows), shape=(matrix.height, matrix.width), copy=False)
+    return scipy.sparse.csr_matrix((values, columns, rows), shape=(matrix.height, matrix.width), copy=False)
 
 
 def add_to(matrix, other):

@@ -18,7 +18,7 @@ problem is linear; Newton's method solves it and reads the next states from y, u
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import eigvalsh
+import scipy
 
 from ..arguments import check_positive, check_whole
 from ..errors import NotConverged
@@ -292,4 +292,4 @@ def _balanced_ratio(normal, tangential, form):
 
 def _largest(A, form):
     """The largest eigenvalue of A x = θ form x."""
-    return float(eigvalsh(A, form, subset_by_index=[len(A) - 1, len(A) - 1])[0])
+    return float(scipy.linalg.eigvalsh(A, form, subset_by_index=[len(A) - 1, len(A) - 1])[0])

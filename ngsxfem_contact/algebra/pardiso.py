@@ -8,8 +8,8 @@ from functools import cache
 from importlib import metadata
 
 import numpy as np
+import scipy
 from pyngcore import GetNumThreads, SuspendTaskManager
-from scipy.sparse import diags
 
 from .. import _ngsxfem_contact as core
 from .matrices import csr_view, mask
@@ -75,7 +75,7 @@ class Pardiso:
         self.inner, self.m = mask(inner), K.shape[0]
         self.unit = nonzero(csr_view(matrix).diagonal()[self.inner].max(initial=0))
         self.units = nonzero(abs(K).max(axis=1).toarray().ravel())
-        K = (diags(self.unit / self.units) @ K).tocsc()
+        K = (scipy.sparse.diags(self.unit / self.units) @ K).tocsc()
         K.sort_indices()
         self.first, self.column, self.value = core.BorderedMatrix(matrix, inner, self.m, K.indptr, K.indices, K.data)
         self.value /= self.unit

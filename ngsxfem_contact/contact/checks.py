@@ -1,9 +1,8 @@
 """What can be wrong with a problem before it is solved: each is named, none is a warning."""
 
 import numpy as np
+import scipy
 from ngsolve import BilinearForm, Grad, InnerProduct, specialcf
-from scipy.linalg import eigh
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from ..algebra.elimination import Elimination, unit_scale
 from ..algebra.matrices import csr_view, mask, to_scipy
@@ -120,11 +119,11 @@ def largest_eigenvalue(A, M, M_inverse, free):
         y.data = M * x
         return np.where(free, y.FV().NumPy(), 0)
 
-    operator = lambda function: LinearOperator(A.shape, matvec=function, dtype=float)
+    operator = lambda function: scipy.sparse.linalg.LinearOperator(A.shape, matvec=function, dtype=float)
     restricted = operator(lambda v: np.where(free, A @ np.where(free, v.ravel(), 0), 0))
     inverse = operator(lambda v: M_inverse.Solve(np.where(free, v.ravel(), 0)))
     start = inverse.matvec(restricted.matvec(np.random.default_rng(0).standard_normal(len(free))))
-    return float(eigsh(restricted, k=1, M=operator(multiply), Minv=inverse, which="LA", v0=start, tol=1e-8)[0][0])
+    return float(scipy.sparse.linalg.eigsh(restricted, k=1, M=operator(multiply), Minv=inverse, which="LA", v0=start, tol=1e-8)[0][0])
 
 
 def InfSup(V, W, weight=specialcf.mesh_size):
@@ -144,4 +143,4 @@ def InfSup(V, W, weight=specialcf.mesh_size):
     if not (np.diag(M) > 0).all() or not np.isfinite(M).all():
         raise ValueError("InfSup: weight must be positive and finite on the whole crack")
     S = Elimination(H1, V.FreeDofs(), Unknowns(V).tips, B).S
-    return float(np.sqrt(max(eigh(S, M, eigvals_only=True)[0], 0)))
+    return float(np.sqrt(max(scipy.linalg.eigh(S, M, eigvals_only=True)[0], 0)))

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from ngsolve import BilinearForm, GridFunction, LinearForm
-from scipy.sparse import block_diag, csr_matrix, vstack
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
@@ -51,13 +51,13 @@ class ContactSystem:
         u, v = V.TnT()
         lam, mu = W.TnT()
         stiffness = stiffness_form(problem)
-        mass = csr_matrix((W.ndof, W.ndof))
+        mass = scipy.sparse.csr_matrix((W.ndof, W.ndof))
         if self.gamma is not None:
             stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
             mass = to_scipy(BilinearForm(self.gamma * lam * mu * self.dcrack).Assemble().mat)
         self.nodes, self.stiffness = W, stiffness.Assemble().mat
-        self.E = vstack([self._coupling(problem, component) for component in self.components], format="csr")
-        self.D = block_diag([mass] * len(self.components), format="csr")
+        self.E = scipy.sparse.vstack([self._coupling(problem, component) for component in self.components], format="csr")
+        self.D = scipy.sparse.block_diag([mass] * len(self.components), format="csr")
         self.weights = np.tile(LinearForm(mu * self.dcrack).Assemble().vec.FV().NumPy(), len(self.components))
 
     def _coupling(self, problem, component):

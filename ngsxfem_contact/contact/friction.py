@@ -8,8 +8,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from ngsolve import CoefficientFunction
-from scipy.linalg import block_diag
 
 from ..algebra.active_set import solve_active_set
 from ..algebra.nodal_newton import FixedPoint, FullNewton, Threshold, first_states, uniqueness_number, violation
@@ -163,4 +163,4 @@ def checked_values(W, function, name):
 
 def transformation(friction, cone, W):
     """L = T p for all components of the multiplier."""
-    return block_diag(*[cone.Transformation(W)] * len(friction.components))
+    return scipy.linalg.block_diag(*[cone.Transformation(W)] * len(friction.components))

@@ -10,8 +10,8 @@ normal tractions become ∫γ a b - ⟨a⟩·M⁻¹⟨b⟩, ⟨a⟩ = ∫_Γ γ 
 """
 
 import numpy as np
+import scipy
 from ngsolve import L2, VOL, BilinearForm, BitArray, ElementId, GridFunction, IfPos, LinearForm
-from scipy.sparse import block_diag, bsr_matrix, vstack
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import add_to, to_scipy
@@ -57,7 +57,7 @@ class LocalPressures:
         M, n = to_scipy(form.Assemble().mat), self.dofs.shape[1]
         blocks = np.array([M[dofs][:, dofs].toarray() for dofs in self.dofs]).reshape(-1, n, n)
         count = np.arange(len(blocks) + 1)
-        return bsr_matrix((np.linalg.inv(blocks), count[:-1], count), shape=(self.dofs.size, self.dofs.size)).tocsr()
+        return scipy.sparse.bsr_matrix((np.linalg.inv(blocks), count[:-1], count), shape=(self.dofs.size, self.dofs.size)).tocsr()
 
     @property
     def _crack(self):
@@ -127,9 +127,9 @@ class MixedSystem(ContactSystem):
         MR, MT = self.pressures.inverse @ self.R, self.pressures.inverse @ self.T
         add_to(self.stiffness, self.R.T @ MR)
         n = problem.W.ndof
-        self.E = vstack([self.E[:n] + self.T.T @ MR, self.E[n:]], format="csr")
+        self.E = scipy.sparse.vstack([self.E[:n] + self.T.T @ MR, self.E[n:]], format="csr")
         normal = self.D[:n, :n] - self.T.T @ MT
-        self.D = block_diag([normal, self.D[n:, n:]], format="csr") if self.D.shape[0] > n else normal.tocsr()
+        self.D = scipy.sparse.block_diag([normal, self.D[n:, n:]], format="csr") if self.D.shape[0] > n else normal.tocsr()
 
     def _given_forces(self, shift):
         return super()._given_forces(shift) - self.R.T @ self._given(shift)

@@ -15,9 +15,8 @@ solution for given thresholds and the nodal methods end.
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from ngsolve import CoefficientFunction, ElementId, GridFunction, Id, Sym
-from scipy.sparse import block_diag, csr_matrix, diags, vstack
-from scipy.sparse.linalg import spsolve
 
 from ..algebra.matrices import add_to
 from ..arguments import check_number, check_positive, check_whole
@@ -128,7 +127,8 @@ class CrackPoints:
             columns.append(np.array(V.GetDofNrs(element)))
         pointers = np.concatenate([[0], np.cumsum([len(c) for c in columns])])
         return [
-            csr_matrix((np.concatenate([b[i] for b in blocks]), np.concatenate(columns), pointers), shape=(self.ndof, V.ndof)) for i in range(len(blocks[0]))
+            scipy.sparse.csr_matrix((np.concatenate([b[i] for b in blocks]), np.concatenate(columns), pointers), shape=(self.ndof, V.ndof))
+            for i in range(len(blocks[0]))
         ]
 
 
@@ -174,13 +174,13 @@ class NitscheSystem(ContactSystem):
         self.nodes = nodes = CrackPoints(problem.body, method.points or V.order + 3)
         omega, gamma = nodes.weights, nodes.Values(self.gamma)
         jumps, tractions = component_rows(problem, nodes)
-        weighted = [diags(-omega * gamma) @ R for R in tractions]
-        self.R = vstack(weighted, format="csr")
-        self.E = vstack([diags(-omega) @ g + R for g, R in zip(jumps, weighted)], format="csr")
-        self.D = block_diag([diags(omega * gamma)] * len(components), format="csr")
+        weighted = [scipy.sparse.diags(-omega * gamma) @ R for R in tractions]
+        self.R = scipy.sparse.vstack(weighted, format="csr")
+        self.E = scipy.sparse.vstack([scipy.sparse.diags(-omega) @ g + R for g, R in zip(jumps, weighted)], format="csr")
+        self.D = scipy.sparse.block_diag([scipy.sparse.diags(omega * gamma)] * len(components), format="csr")
         self.weights = np.tile(omega, len(components))
         self.stiffness = stiffness_form(problem).Assemble().mat
-        add_to(self.stiffness, -self.theta * (self.R.T @ diags(1 / self.D.diagonal()) @ self.R))
+        add_to(self.stiffness, -self.theta * (self.R.T @ scipy.sparse.diags(1 / self.D.diagonal()) @ self.R))
 
     def _given_moments(self, component, shift):
         """ωγ r_0 of one component."""
@@ -209,13 +209,13 @@ class NitscheSystem(ContactSystem):
             function.vec[:] = 0
             function.vec[i] = 1
             moments[i] = self.nodes.weights * values @ self.nodes.Values(function)
-        function.vec.FV().NumPy()[:] = spsolve(mass_matrix(W).tocsc(), moments)
+        function.vec.FV().NumPy()[:] = scipy.sparse.linalg.spsolve(mass_matrix(W).tocsc(), moments)
         return function
 
     @property
     def C(self):
         """E, and γR beside it unless θ = 1."""
-        return self.E if self.theta == 1 else vstack([self.E, self.R], format="csr")
+        return self.E if self.theta == 1 else scipy.sparse.vstack([self.E, self.R], format="csr")
 
     def Distribute(self, L):
         """E_θᵀ L = Eᵀ L - (1 - θ) Rᵀ L."""
@@ -229,7 +229,7 @@ def component_rows(problem, nodes):
     units = lambda n, **dims: [CoefficientFunction(tuple(row), **dims) for row in np.eye(n)]
     stresses = [*(material.Stress(Sym(e), 0) for e in units(4, dims=(2, 2))), material.Stress(0 * Id(2), 1)]
     gradient = [*gradient, dilatation_rows(problem, nodes, gradient)]
-    combined = lambda functions, rows: sum(diags(nodes.Values(f)) @ r for f, r in zip(functions, rows))
+    combined = lambda functions, rows: sum(scipy.sparse.diags(nodes.Values(f)) @ r for f, r in zip(functions, rows))
     jumps, tractions = [], []
     for component in problem.friction.components:
         jumps.append(combined([component.jump(GivenJump(e), body) for e in units(2)], jump))
@@ -243,7 +243,7 @@ def dilatation_rows(problem, nodes, gradient):
     if not is_projected(problem.V, material):
         return divergence
     projected = nodes.Values(CoefficientFunction(material.projected))
-    return diags(projected) @ nodes.Rows(problem.V, "dilatationlarger")[0] + diags(1 - projected) @ divergence
+    return scipy.sparse.diags(projected) @ nodes.Rows(problem.V, "dilatationlarger")[0] + scipy.sparse.diags(1 - projected) @ divergence
 
 
 def joint_rows(problem, nodes):
@@ -251,4 +251,4 @@ def joint_rows(problem, nodes):
     columns = [problem.a.joint.Tractions(u) for pair in unit_limits() for u in pair]
     rows = [row for operator in ("plus", "minus") for row in nodes.Rows(problem.V, operator)]
     for component in problem.friction.components:
-        yield sum(diags(nodes.Values(t.Shift(component, "larger", problem.body))) @ row for t, row in zip(columns, rows))
+        yield sum(scipy.sparse.diags(nodes.Values(t.Shift(component, "larger", problem.body))) @ row for t, row in zip(columns, rows))

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
+import scipy
 from ngsolve import BND, VERTEX, BitArray, CoefficientFunction, ElementId, GridFunction, LinearForm, NodeId, Parameter
-from scipy.sparse.linalg import splu
 
 from ..arguments import check_function, check_regions, check_type
 from ..points import crack_points
@@ -250,7 +250,7 @@ def projected_trace(V, value, region):
     scale = 1 / np.sqrt(diagonal[dofs])
     scaled = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc()
     values = np.zeros(V.ndof)
-    values[dofs] = scale * splu(scaled).solve(scale * load[dofs])
+    values[dofs] = scale * scipy.sparse.linalg.splu(scaled).solve(scale * load[dofs])
     return values, short
 
 

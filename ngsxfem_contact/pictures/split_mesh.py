@@ -4,10 +4,8 @@ In a SplitMesh the elements that a crack meets are replaced by their parts on ei
 """
 
 import numpy as np
+import scipy
 from ngsolve import BND, CF, H1, VOL, Discontinuous, GridFunction, Mesh, x, y
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ..algebra.matrices import mask
 
@@ -156,15 +154,15 @@ def mesh_arrays(mesh):
 
 def merged(points, tolerance):
     """The points without repetitions, and the number of each old one; the first of several stays."""
-    label = components(len(points), *cKDTree(points).query_pairs(tolerance, output_type="ndarray").T)
+    label = components(len(points), *scipy.spatial.cKDTree(points).query_pairs(tolerance, output_type="ndarray").T)
     _, first, number = np.unique(label, return_index=True, return_inverse=True)
     return points[first], number
 
 
 def components(size, first, second):
     """Number (size,) of the connected component of each of `size` things, of which first[i] and second[i] are linked."""
-    links = coo_matrix((np.ones(len(first)), (first, second)), shape=(size, size))
-    return connected_components(links, directed=False)[1].astype(np.int64)  # 32 bits overflow in twin_edges
+    links = scipy.sparse.coo_matrix((np.ones(len(first)), (first, second)), shape=(size, size))
+    return scipy.sparse.csgraph.connected_components(links, directed=False)[1].astype(np.int64)  # 32 bits overflow in twin_edges
 
 
 def cross(a, b):
@@ -192,7 +190,7 @@ def without_hanging_points(points, triangles, parent, candidates, tolerance):
 def hanging_points(points, triangles, candidates, tolerance):
     """For each triangle a candidate inside one of its edges (or -1), and the corner at which that edge starts."""
     point, corner = np.full(len(triangles), -1), np.zeros(len(triangles), dtype=int)
-    tree = cKDTree(points[candidates])
+    tree = scipy.spatial.cKDTree(points[candidates])
     for k in range(3):
         a, b = points[triangles[:, k]], points[triangles[:, (k + 1) % 3]]
         length = np.linalg.norm(b - a, axis=1)

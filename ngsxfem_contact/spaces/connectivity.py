@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from ngsolve import GridFunction
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..algebra.matrices import mask
 from .unknowns import Unknowns
@@ -90,8 +89,8 @@ def parts_joined_by_edges(corners, copies):
     n = len(corners)
     ends = np.sort(np.stack([corners, np.roll(corners, 1, axis=1)], axis=2), axis=2).astype(np.int64)
     edges, number = np.unique(ends[..., 0] * copies + ends[..., 1], return_inverse=True)
-    graph = coo_matrix((np.ones(3 * n, dtype=bool), (np.repeat(np.arange(n), 3), n + number.ravel())), shape=(n + len(edges),) * 2)
-    parts, labels = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_matrix((np.ones(3 * n, dtype=bool), (np.repeat(np.arange(n), 3), n + number.ravel())), shape=(n + len(edges),) * 2)
+    parts, labels = scipy.sparse.csgraph.connected_components(graph, directed=False)
     return parts, labels[:n]
 
 

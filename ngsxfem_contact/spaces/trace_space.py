@@ -1,8 +1,8 @@
 """W_h, the multipliers on the cracks: section 4 of docs/method.md."""
 
 import numpy as np
+import scipy
 from ngsolve import BilinearForm, GridFunction
-from scipy.sparse.linalg import eigsh
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
@@ -99,5 +99,5 @@ def smallest_eigenpair(matrix):
     if matrix.shape[0] < 20:
         values, vectors = np.linalg.eigh(matrix.toarray())
         return values[0], vectors[:, 0]
-    values, vectors = eigsh(matrix, k=1, sigma=-1e-8, v0=np.ones(matrix.shape[0]))
+    values, vectors = scipy.sparse.linalg.eigsh(matrix, k=1, sigma=-1e-8, v0=np.ones(matrix.shape[0]))
     return values[0], vectors[:, 0]
