@@ -11,6 +11,7 @@ import argparse
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, ngsglobals, x
+from results import recorded
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.exact import closed_forms as cf
@@ -194,4 +195,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

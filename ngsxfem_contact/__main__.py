@@ -1,4 +1,4 @@
-"""The command line: `python -m ngsxfem_contact` solves the paper's test and writes what it found; `... study` does all of section 4."""
+"""The command line: `python -m ngsxfem_contact` solves the paper's test and writes what it found; `... study` does section 4 of the paper."""
 
 import argparse
 import io

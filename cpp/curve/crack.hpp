@@ -1,5 +1,5 @@
 #pragma once
-// Γ_C: an oriented curve of smooth pieces, its arc length, its normal and the side of a point (method.md, section 1).
+// Γ_C: an oriented curve of smooth pieces, its arc length, its normal and the side of a point (docs/method.md, section 1).
 
 #include "curve/box_tree.hpp"
 

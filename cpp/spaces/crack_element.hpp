@@ -1,5 +1,5 @@
 #pragma once
-// The finite element of V_h on one triangle or boundary edge: φ_i, ½(H - s_i) φ_i and χ F_j  (method.md, section 3).
+// The finite element of V_h on one triangle or boundary edge: φ_i, ½(H - s_i) φ_i and χ F_j  (docs/method.md, section 3).
 //
 // The Heaviside functions are shifted by the sign s_i of the larger part of the support of φ_i: ½(H - s_i) φ_i spans
 // with φ_i what H φ_i does, vanishes on the larger part, and has the jump φ_i, so its coefficient is the nodal jump.

@@ -1,5 +1,5 @@
 #pragma once
-// V_h: the cut-off XFEM space (method.md, section 3), one vector-valued space.
+// V_h: the cut-off XFEM space (docs/method.md, section 3), one vector-valued space.
 
 #include "spaces/dilatation.hpp"
 

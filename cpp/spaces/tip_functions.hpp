@@ -1,5 +1,5 @@
 #pragma once
-// The singular functions at one tip, times the cut-off χ: (8) of [AHLMR12], or the two modes of method.md, section 10.
+// The singular functions at one tip, times the cut-off χ: (8) of [AHLMR12], or the two modes of docs/method.md, section 3.
 
 #include "curve/tip_curve.hpp"
 #include <fem.hpp>

@@ -1,5 +1,5 @@
 #pragma once
-// W_h: the multipliers on Γ_C (method.md, section 4), P_j on the intervals between nodes of the crack, or restrictions
+// W_h: the multipliers on Γ_C (docs/method.md, section 4), P_j on the intervals between nodes of the crack, or restrictions
 // of mesh functions.
 
 #include "forms/cut_integral.hpp"

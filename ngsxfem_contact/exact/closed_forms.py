@@ -1,4 +1,4 @@
-"""Closed-form solutions with a crack on y = 0, plane strain, no body force: (a) to (e) of docs/measured.md.
+"""Closed-form solutions with a crack on y = 0, plane strain, no body force: (a) to (e) in section 10 of docs/method.md.
 
 They hold in the whole plane, so that any polygon may be the body: rotate and shift the body, not the formulas.
 """

@@ -108,7 +108,7 @@ def test_the_path_finds_what_enumeration_finds(m):
 
 
 def test_a_cycle_is_left_by_the_safeguard():
-    """The frictionless cycle of test_contact.py as the normal part, s = 0."""
+    """The frictionless cycle of tests/contact/test_contact.py as the normal part, s = 0."""
     Q = np.eye(6)
     Q[:3, :3] = [[3.0, -4, -4], [-4, 14, 21], [-4, 21, 34]]
     q = np.array([-4.0, 5, 1, 0, 0, 0])

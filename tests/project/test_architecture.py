@@ -107,6 +107,13 @@ def test_the_picture_is_that_of_the_sources():
     assert len(said) > 12 and html.unescape(drawn[1]) == "; ".join(said)
 
 
+def test_the_page_has_every_layer_in_order():
+    """docs/structure.md, from the bottom."""
+    rows = re.findall(r"^\| `(cpp|ngsxfem_contact)/(\w*)`([^|]*) \|", (ROOT / "docs" / "structure.md").read_text(encoding="utf-8"), re.M)
+    layers = [(half, layer or TOOL["BASE"]) for half, layer, _ in rows]
+    assert layers == [*(("cpp", layer) for layer in LAYERS["core"][0]), *(("ngsxfem_contact", layer) for layer in LAYERS["package"][0])]
+
+
 # Size
 
 

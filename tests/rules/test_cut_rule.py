@@ -301,7 +301,7 @@ def test_default_rules_against_fine_ones(maxh, options):
 
 
 def mode_in_polar_components(mode, lam, mu, t):
-    """f, g with F_r = √r f(θ), F_θ = √r g(θ) of unit K (method.md, section 7)."""
+    """f, g with F_r = √r f(θ), F_θ = √r g(θ) of unit K (docs/method.md, section 3)."""
     kappa = (lam + 3 * mu) / (lam + mu)
     c, s, scale = mp.cos(t / 2), mp.sin(t / 2), 1 / (2 * mu * mp.sqrt(2 * mp.pi))
     if mode == 1:

@@ -42,7 +42,7 @@ def branch(j, r, t):
 
 
 def mode(j, r, t, material):
-    """Section 7 (b) and (c), in the frame of the tip."""
+    """docs/method.md, section 3, in the frame of the tip."""
     c, s, k = np.cos(t / 2), np.sin(t / 2), material.kappa
     scale = np.sqrt(r / (2 * np.pi)) / (2 * material.mu)
     if j == 0:
