@@ -31,6 +31,7 @@ from .contact.load_steps import LoadCase, LoadSteps
 from .contact.checks import Coercivity, InfSup
 from .contact.conditioning import ConditionNumber, CrackScaling
 from . import exact  # noqa: F401
+from . import job  # noqa: F401
 
 __all__ = [
     "Crack", "CrackedMesh", "Side", "EndKind", "ElementKind",  # body and crack

@@ -30,7 +30,7 @@ from ngsxfem_contact import (
     Tresca,
 )
 from ngsxfem_contact.pictures.plotting import plot_body, plot_profile
-from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
+from study.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

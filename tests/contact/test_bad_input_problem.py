@@ -17,7 +17,7 @@ from ngsxfem_contact import (
     TraceSpace,
 )  # fmt: skip
 from ngsxfem_contact.exact.closed_forms import rotated_square
-from ngsxfem_contact.study.paper import unstructured_mesh
+from study.paper import unstructured_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

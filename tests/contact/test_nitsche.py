@@ -29,7 +29,7 @@ from ngsxfem_contact.algebra.matrices import to_scipy
 from ngsxfem_contact.contact.contact_system import stiffness_form
 from ngsxfem_contact.contact.nitsche import CrackPoints, add_to, rule
 from ngsxfem_contact.exact import closed_forms as cf
-from ngsxfem_contact.study.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from study.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 

@@ -11,7 +11,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngsxfem_contact import ConditionNumber, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra.active_set import descend, solve_active_set
 from ngsxfem_contact.spaces.negligible import negligible_functions
-from ngsxfem_contact.study.paper import MATERIAL, PAIRS
+from study.paper import MATERIAL, PAIRS
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

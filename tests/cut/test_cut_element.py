@@ -25,7 +25,7 @@ from ngsxfem_contact import (  # fmt: skip
     TraceSpace,
 )
 from ngsxfem_contact.pictures.split_mesh import SplitMesh
-from ngsxfem_contact.study.paper import PAIRS
+from study.paper import PAIRS
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

@@ -12,7 +12,7 @@ from ngsolve import CF, IfPos, Mesh, specialcf, y
 import ngsxfem_contact
 from ngsxfem_contact import BarbosaHughes, Coercivity, Coulomb, Tresca
 from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, pressure_error, rotated_square, uniform_compression, uniform_stress
-from ngsxfem_contact.study.paper import MATERIAL, paper_problem, unstructured_mesh
+from study.paper import MATERIAL, paper_problem, unstructured_mesh
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PUBLIC = {name for name, value in vars(ngsxfem_contact).items() if not name.startswith("_") and not inspect.ismodule(value)}

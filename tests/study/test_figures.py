@@ -6,8 +6,8 @@ import os
 import numpy as np
 import pytest
 
-from ngsxfem_contact.study import figures
-from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh
+from study import figures
+from study.paper import paper_problem, unstructured_mesh
 
 pytest.importorskip("matplotlib").use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402

@@ -9,7 +9,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import Mesh, SetNumThreads
 
 from ngsxfem_contact import BarbosaHughes, Coercivity, SingularSystem
-from ngsxfem_contact.study.paper import PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from study.paper import PAIRS, REFERENCE, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 

@@ -1,6 +1,10 @@
 """The convergence study on small meshes: errors, resumption, the two ways to stabilise."""
 
 import json
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,8 +12,9 @@ from ngsolve import Integrate, SetNumThreads
 
 from ngsxfem_contact import BarbosaHughes, BothSides, NormalGap, NotCoercive
 from ngsxfem_contact.files import UnreadableFile, only_one
-from ngsxfem_contact.study.paper import MATERIAL, paper_problem
-from ngsxfem_contact.study.study import ErrorMeasure, Reference, Study, oscillation, read_records, reference_solution, structured_mesh
+from study import __main__ as cli
+from study.paper import MATERIAL, paper_problem
+from study.study import ErrorMeasure, Reference, Study, oscillation, read_records, reference_solution, structured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 
@@ -74,7 +79,7 @@ def test_other_references_and_versions_are_other_studies(tmp_path, monkeypatch):
     first = numbers(tiny_study(tmp_path).Run())
     other = numbers(tiny_study(tmp_path, cells=9).Run())
     assert len(first) == len(other) and not np.allclose(first, other, rtol=1e-3)
-    monkeypatch.setattr("ngsxfem_contact.study.study.versions", lambda: "another")
+    monkeypatch.setattr("study.study.versions", lambda: "another")
     study = tiny_study(tmp_path)
     assert numbers(study.Run()) == pytest.approx(first, rel=1e-10) and {record["versions"] for record in study.records} == {"another"}
     settings = [(record["cells"], record["versions"]) for record in read_records(tmp_path / "study.jsonl")]
@@ -153,3 +158,37 @@ def test_gamma_of_both_sides_is_gamma0_h():
     gamma = BothSides(0.01).Gamma(problem.V, MATERIAL)
     (_, _, _, weights, _, _), h = problem.body.dcrack.Points(2), np.sqrt(2) / 5
     assert Integrate(gamma * problem.body.dcrack, problem.body.mesh) == pytest.approx(0.01 * h * weights.sum(), rel=1e-10)
+
+
+# The command
+
+
+def test_command(tmp_path, capsys):
+    """Records, rates and the table of rates; a second call finds all solves done."""
+    options = ["--sizes", "0.2", "0.12", "--realisations", "1", "--cells", "15", "--no-figures", "--output", str(tmp_path)]
+    assert cli.main(options) == 0
+    printed = capsys.readouterr().out
+    assert {"study.jsonl", "study.csv", "rates.json"} <= {path.name for path in tmp_path.iterdir()}
+    rates = json.loads((tmp_path / "rates.json").read_text(encoding="utf-8"))
+    assert {rate["pair"] for rate in rates} == {"P1/P0", "P1/P1", "P1+/P1", "P2/P0", "P2/P1"}
+    orders = [rate["L2"] for rate in rates if (rate["pair"], rate["stabilisation"], rate["mesh"]) == ("P2/P1", "larger", "unstructured")]
+    assert orders and min(orders) > 2 and all(f"{order:.2f}" in printed for order in orders)
+    kept = (tmp_path / "study.jsonl").read_bytes()
+    assert cli.main(options) == 0 and (tmp_path / "study.jsonl").read_bytes() == kept
+
+
+@pytest.mark.parametrize("options", ["--sizes 0", "--sizes 0.1 nan", "--realisations 0", "--cells 4", "--cells 1", "study"])
+def test_bad_options(options, capsys, tmp_path):
+    with pytest.raises(SystemExit) as stopped:
+        cli.main([*options.split(), "--output", str(tmp_path)])
+    assert stopped.value.code == 2
+    assert "error: " in capsys.readouterr().err and list(tmp_path.iterdir()) == []
+
+
+def test_it_does_not_hide_the_installed_package():
+    """Run in the folder of the sources, it looks there last."""
+    root = Path(__file__).resolve().parents[2]
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    run = subprocess.run([sys.executable, "-c", "import study, sys; print(*sys.path, sep='\\n')"], cwd=root, env=environment, capture_output=True, text=True)
+    path = run.stdout.splitlines()
+    assert path[-1] == str(root) and not {"", str(root)} & set(path[:-1])
