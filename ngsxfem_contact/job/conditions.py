@@ -10,7 +10,7 @@ from ..contact.friction import Coulomb, Tresca
 from ..contact.nitsche import Nitsche
 from ..contact.stabilisation import BarbosaHughes, BothSides
 from ..operators import Jump
-from .table import array, boolean, choice, formula, number, point, subtable, text, vector, whole
+from .table import array, boolean, choice, formula, number, point, subtable, text, two_formulas, vector, whole
 
 # Contact
 
@@ -113,14 +113,25 @@ def point_force(table, problem):
 def face_pressure(table, problem):
     """ContactProblem.FacePressure."""
     values = table.Take({"face_pressure": formula, "crack": whole, "bonus_intorder": whole})
-    problem.FacePressure(values.pop("face_pressure"), **values)
+    pressure = values.pop("face_pressure")
+    if not_zero(pressure):
+        problem.FacePressure(pressure, **values)
 
 
 def face_traction(table, problem):
     """ContactProblem.FaceTraction."""
     values = table.Take({"face_traction": subtable, "crack": whole, "bonus_intorder": whole})
     inner = type(table)(values.pop("face_traction"), f"{table.name}, face_traction", table.file)
-    problem.FaceTraction(**inner.Take({"plus": vector, "minus": vector}), **values)
+    sides = inner.Take({"plus": two_formulas, "minus": two_formulas})
+    if not sides:
+        table.Refuse("it has neither plus nor minus; give one of them or both", "face_traction")
+    if any(not_zero(component) for side in sides.values() for component in side):
+        problem.FaceTraction(**{side: tuple(components) for side, components in sides.items()}, **values)
+
+
+def not_zero(value):
+    """Whether a formula is a function, or another number than zero: NGSolve's forms do not survive terms that are zero."""
+    return isinstance(value, CoefficientFunction) or value != 0
 
 
 LOADS = {
@@ -207,20 +218,20 @@ def pin(table, problem):
 
 def springs(table, problem):
     """Springs on a part of the boundary, in x and in y."""
-    values = table.Take({"springs": array(formula, PAIR, 2, 2), "boundary": text, "bonus_intorder": whole}, ["springs", "boundary"])
+    values = table.Take({"springs": two_formulas, "boundary": text, "bonus_intorder": whole}, ["springs", "boundary"])
     _add_springs(problem, values.pop("springs"), problem.body.ds(**definedon(table, problem, "boundary", values)))
 
 
 def foundation(table, problem):
     """Springs in the body, or in a region of it."""
-    values = table.Take({"foundation": array(formula, PAIR, 2, 2), "region": text, "bonus_intorder": whole})
+    values = table.Take({"foundation": two_formulas, "region": text, "bonus_intorder": whole})
     _add_springs(problem, values.pop("foundation"), problem.body.dx(**definedon(table, problem, "region", values)))
 
 
 def _add_springs(problem, stiffness, measure):
     u, v = problem.V.TnT()
     for k, value in enumerate(stiffness):
-        if isinstance(value, CoefficientFunction) or value:
+        if not_zero(value):
             problem.a += value * u[k] * v[k] * measure
 
 
@@ -230,8 +241,9 @@ def joint(table, problem):
     if "crack" in values:
         check_item(values["crack"], problem.body.cracks, "crack", "the part")
     u, v = problem.V.TnT()
-    problem.a += values.pop("joint") * Jump(u) * Jump(v) * problem.body.dcrack(**values)
+    stiffness = values.pop("joint")
+    if not_zero(stiffness):
+        problem.a += stiffness * Jump(u) * Jump(v) * problem.body.dcrack(**values)
 
 
-PAIR = "two numbers or formulas [x, y]"
 SUPPORTS = {"boundary": boundary, "pin": pin, "springs": springs, "foundation": foundation, "joint": joint}

@@ -9,7 +9,6 @@ from ..files import write_whole
 from ..pictures.plotting import plot_body, plot_profile, pyplot
 
 FACTOR_KEYS = ("K_I", "K_II", "error", "method", "G", "note")
-POINTS = 200  # of a profile
 
 
 def numbers_of(part, solutions):
@@ -150,12 +149,13 @@ def write_results(part, solutions, numbers, text, folder, pictures):
 
 def write_profiles(path, part, solutions):
     """One row for each point of each crack in each step."""
+    options = {"n": part.output["points"]} if "points" in part.output else {}
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["factor", "crack", *(field.name for field in fields(CrackProfile))])
         for factor, solution in zip(part.factors or [1], solutions, strict=True):
             for crack in range(len(solution.body.cracks)):
-                profile = solution.Profile(crack, part.output.get("points", POINTS))
+                profile = solution.Profile(crack, **options)
                 writer.writerows([factor, crack, *row] for row in zip(*(getattr(profile, field.name).tolist() for field in fields(profile))))
 
 

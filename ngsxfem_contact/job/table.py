@@ -146,9 +146,12 @@ def formula(value):
         raise Wrong("a finite number, or a formula in x and y in quotes") from None
 
 
+two_formulas = array(formula, "two numbers or formulas [x, y]", 2, 2)
+
+
 def vector(value):
     """Two formulas: a CoefficientFunction with two components."""
-    return CF(tuple(array(formula, "two numbers or formulas [x, y]", 2, 2)(value)))
+    return CF(tuple(two_formulas(value)))
 
 
 def subtable(value):

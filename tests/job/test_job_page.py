@@ -12,7 +12,7 @@ from ngsxfem_contact.job.table import RefusedPart
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "job.md").read_text(encoding="utf-8")
-pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.errors.AccuracyWarning")
 
 
 def test_the_example(tmp_path):

@@ -9,7 +9,7 @@ from netgen.geom2d import SplineGeometry
 from netgen.occ import OCCGeometry, WorkPlane
 from ngsolve import CF, Integrate, Mesh, dx, specialcf, x, y
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, TraceSpace
+from ngsxfem_contact._ngsxfem_contact import Crack, CrackedMesh
 from ngsxfem_contact.algebra.nodal_newton import FixedPoint, FullNewton
 from ngsxfem_contact.contact.friction import Coulomb, Tresca
 from ngsxfem_contact.contact.load_steps import LoadSteps
@@ -21,11 +21,14 @@ from ngsxfem_contact.job.conditions import friction_of, stabilisation_of
 from ngsxfem_contact.job.gmsh import read_gmsh
 from ngsxfem_contact.job.part import EXAMPLE, read_part
 from ngsxfem_contact.job.table import Table
-from ngsxfem_contact.spaces.crack_fespace import TipEnrichment
+from ngsxfem_contact.material import Elasticity
+from ngsxfem_contact.operators import Jump
+from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
+from ngsxfem_contact.spaces.trace_space import TraceSpace
 from study.paper import paper_problem, unstructured_mesh
 
 GMSH = Path(__file__).parents[1] / "data" / "gmsh"
-pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.errors.AccuracyWarning")
 
 
 def part_of(folder, text, **options):
@@ -329,3 +332,25 @@ def test_a_name_of_two_boundaries_holds_both(tmp_path):
     V = part_of(tmp_path, text).problem.V
     other = CrackFESpace(V.body, material=Elasticity(1, 1), dirichlet="bottom|top", dirichletx="right")
     assert list(V.FreeDofs()) == list(other.FreeDofs())
+
+
+ZERO = """
+[[load]]
+{load}
+
+[[load]]
+traction = [0, -0.1]
+boundary = "top"
+
+[[support]]
+{support}
+"""
+
+
+@pytest.mark.parametrize("load", ["face_pressure = 0", "face_traction = {plus = [0, 0]}", "point_force = [0, 0]\nat = [0.5, 0.9]", "body_force = [0, 0]"])
+@pytest.mark.parametrize("support", ["joint = 0", 'springs = [0, 0]\nboundary = "top"'])
+def test_what_is_zero_is_as_if_it_were_not_there(tmp_path, load, support):
+    text = SQUARE.format(crack="polyline = [[0, 0.51], [0.5, 0.51]]")
+    (solution,) = part_of(tmp_path, text + ZERO.format(load=load, support=support)).Solve()
+    (other,) = part_of(tmp_path, text + '[[load]]\ntraction = [0, -0.1]\nboundary = "top"\n').Solve()
+    same(solution, other)

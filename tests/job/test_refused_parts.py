@@ -9,7 +9,7 @@ from ngsxfem_contact.job.part import read_part
 from ngsxfem_contact.job.table import RefusedPart
 
 DATA = Path(__file__).parents[1] / "data"
-pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.errors.AccuracyWarning")
 
 GOOD = """
 [mesh]
@@ -132,6 +132,7 @@ REPLACED = [
     ("traction = [0, -1]\nboundary = \"top\"", "point_force = [0, 1]\nat = [3, 3]", r": \[\[load\]\] 1, at: \[3, 3\] is not in the body"),
     ("traction = [0, -1]\nboundary = \"top\"", "face_pressure = 1\ncrack = 1", r": \[\[load\]\] 1: there is no crack 1; body.cracks has 1, counted from 0"),
     ("traction = [0, -1]\nboundary = \"top\"", "face_traction = [1, 0]", r": \[\[load\]\] 1, face_traction: \[1, 0\] must be a table"),
+    ("traction = [0, -1]\nboundary = \"top\"", "face_traction = {}", r": \[\[load\]\] 1, face_traction: it has neither plus nor minus"),
     ("traction = [0, -1]\nboundary = \"top\"", "face_traction = {left = [1, 0]}", r": \[\[load\]\] 1, face_traction, left: there is no such key; allowed are plus, minus"),
     # supports
     ("x = 0\ny = 0", "", r": \[\[support\]\] 1: it holds nothing; give x, y or both"),

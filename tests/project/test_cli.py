@@ -22,7 +22,7 @@ SetNumThreads(1)
 
 FILES = {"summary.txt", "summary.json", "profile.csv", "solution.vtu", "body.png", "profile.png"}
 COARSE = ["--maxh", "0.4"]
-pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # of COARSE
+pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.errors.AccuracyWarning")  # of COARSE
 
 
 def names(folder):
