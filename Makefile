@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 SOURCES := setup.py pyproject.toml CMakeLists.txt README.md \
   $(wildcard cpp/*/*.?pp python/*.?pp) \
-  $(filter-out %/_build_info.py,$(wildcard ngsxfem_contact/*.py ngsxfem_contact/*/*.py ngsxfem_contact/*.pyi)) ngsxfem_contact/py.typed
+  $(filter-out %/_build_info.py,$(wildcard ngsxfem_contact/*.py ngsxfem_contact/*/*.py ngsxfem_contact/*.pyi ngsxfem_contact/*/*.toml)) ngsxfem_contact/py.typed
 CPP := $(wildcard cpp/*/*.?pp python/*.?pp)
 BUILD_REQUIRES = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | tr , ' ')
 

@@ -8,14 +8,15 @@ The first set counts as an iteration, as in `report.iterations`; iterations on c
 import argparse
 
 import numpy as np
+import repository  # noqa: F401
 from ngsolve import ngsglobals
 from results import recorded
 
 from ngsxfem_contact import TipEnrichment
 from ngsxfem_contact.contact.options import StepOptions
 from ngsxfem_contact.contact.solver import ReducedProblem
-from ngsxfem_contact.study.paper import MATERIAL, PAIRS, paper_problem
-from ngsxfem_contact.study.study import SIZES, realisation_mesh
+from study.paper import MATERIAL, PAIRS, paper_problem
+from study.study import SIZES, realisation_mesh
 
 
 def counts(mesh, pair, coarser):

@@ -6,6 +6,7 @@ python benchmarks/closed_forms.py [a b c d arc] [--realisations 10]
 import argparse
 
 import numpy as np
+import repository  # noqa: F401
 from ngsolve import TaskManager, ngsglobals
 from results import recorded
 from scipy.optimize import brentq
@@ -13,7 +14,7 @@ from scipy.optimize import brentq
 from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact.arc_solution import OpenArc
-from ngsxfem_contact.study.paper import MATERIAL, PAIRS
+from study.paper import MATERIAL, PAIRS
 
 
 def solve(mesh, crack, exact, pair, tip=None, stabilisation=BarbosaHughes()):

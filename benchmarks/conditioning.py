@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import repository  # noqa: F401
 from ngsolve import BilinearForm, Grad, InnerProduct, Sym, VectorH1, dx, ngsglobals
 from results import recorded
 from scipy.linalg import eigh
@@ -27,7 +28,7 @@ from ngsxfem_contact.operators import NORMAL
 from ngsxfem_contact.spaces.connectivity import VertexCopies
 from ngsxfem_contact.spaces.negligible import without_negligible
 from ngsxfem_contact.spaces.unknowns import Unknowns
-from ngsxfem_contact.study.paper import MATERIAL
+from study.paper import MATERIAL
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import adversarial  # noqa: E402

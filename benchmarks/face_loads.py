@@ -4,13 +4,14 @@ python benchmarks/face_loads.py
 """
 
 import numpy as np
+import repository  # noqa: F401
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, IfPos, Integrate, Mesh, SetNumThreads, specialcf, sqrt, x, y
 from results import recorded
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, NormalGap, TraceSpace
 from ngsxfem_contact.exact import fracture_solutions as fs
-from ngsxfem_contact.study.paper import PAIRS
+from study.paper import PAIRS
 
 METHODS = {"BarbosaHughes": BarbosaHughes(), "Nitsche 1": Nitsche(1), "Nitsche 0": Nitsche(0), "Nitsche -1": Nitsche(-1)}
 JOINT = Crack([(0, 0.47), (1, 0.52)])

@@ -9,6 +9,7 @@ of the enrichment's coefficients.
 import argparse
 
 import numpy as np
+import repository  # noqa: F401
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, ngsglobals, x
 from results import recorded
@@ -17,7 +18,7 @@ from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFE
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, WingCracks
-from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
+from study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 
 PSI = np.radians(40)  # of the load's axis from the crack
 PHI = 0.2  # angle of friction

@@ -6,6 +6,7 @@ python benchmarks/friction.py [e stick reference] [--realisations 10]
 import argparse
 
 import numpy as np
+import repository  # noqa: F401
 from closed_forms import report
 from ngsolve import TaskManager, ngsglobals
 from results import recorded
@@ -13,7 +14,7 @@ from results import recorded
 from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, Nitsche, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.algebra import FixedPoint
 from ngsxfem_contact.exact import closed_forms as cf
-from ngsxfem_contact.study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
+from study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
 
 LAWS = {"Coulomb 0.3": Coulomb(0.3), "Tresca 0.05": Tresca(0.05)}
 FINE = [0.04, 0.02, 0.0141, 0.01]

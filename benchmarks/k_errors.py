@@ -9,6 +9,7 @@ Fitted: `shapes`, the loads A, B, C of the paper, C with friction, and a single 
 import argparse
 
 import numpy as np
+import repository  # noqa: F401
 from closed_forms import ARC, arc_body
 from fracture import PLATES, rectangle
 from ngsolve import CF, ngsglobals
@@ -17,8 +18,8 @@ from results import recorded
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
-from ngsxfem_contact.study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, paper_problem, unstructured_mesh
-from ngsxfem_contact.study.shapes import SHAPES, body_mesh, shape_problem
+from study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from study.shapes import SHAPES, body_mesh, shape_problem
 
 TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(functions="branch"), "none": None}
 EDGE_CRACK = (8.05643, -0.02659)  # of `edge_crack`, by P4 and by P2 on fine meshes

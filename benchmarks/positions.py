@@ -17,11 +17,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import repository  # noqa: F401
 from ngsolve import CF, Mesh, ngsglobals, sin, x, y
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
-from ngsxfem_contact.study.paper import MATERIAL, PAIRS
+from study.paper import MATERIAL, PAIRS
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import adversarial  # noqa: E402

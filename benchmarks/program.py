@@ -2,25 +2,26 @@
 
     python benchmarks/program.py FOLDER [--reference STUDY]
 
-FOLDER holds the meshes u0.088.vol ... u0.008.vol; STUDY is the folder of `python -m ngsxfem_contact study`, whose reference is used.
+FOLDER holds the meshes u0.088.vol ... u0.008.vol; STUDY is the folder of `python -m study`, whose reference is used.
 """
 
 import argparse
 import json
 from pathlib import Path
 
+import repository  # noqa: F401
 from ngsolve import Mesh, TaskManager, ngsglobals
 from results import recorded
 
 from ngsxfem_contact import BarbosaHughes
-from ngsxfem_contact.study.paper import MATERIAL, paper_problem
-from ngsxfem_contact.study.study import ErrorMeasure, Reference, reference_solution
+from study.paper import MATERIAL, paper_problem
+from study.study import ErrorMeasure, Reference, reference_solution
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--reference", type=Path, default=Path("study"))
+    parser.add_argument("--reference", type=Path, default=Path("results/study"))
     options = parser.parse_args()
     ngsglobals.msg_level = 0
     reference = Reference(reference_solution(options.reference))

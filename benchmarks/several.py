@@ -8,6 +8,7 @@ import argparse
 from collections import Counter
 
 import numpy as np
+import repository  # noqa: F401
 from bodies import boundary_segments, random_crack, random_mesh, ray_to_boundary
 from ngsolve import CF, ngsglobals, sin, x, y
 from results import recorded
@@ -15,7 +16,7 @@ from results import recorded
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.contact import Coercivity
 from ngsxfem_contact.exact import closed_forms as cf
-from ngsxfem_contact.study.paper import MATERIAL, PAIRS
+from study.paper import MATERIAL, PAIRS
 
 
 def random_body(seed):

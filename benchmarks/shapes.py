@@ -6,9 +6,10 @@ python benchmarks/shapes.py [--maxh 0.08 0.05 0.03] [--pairs P2/P1]
 import argparse
 
 import numpy as np
+import repository  # noqa: F401
 from results import recorded
 
-from ngsxfem_contact.study.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem
+from study.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem
 
 COLUMNS = ("energy", "contact_force", "K")
 

@@ -15,11 +15,12 @@ import sys
 from statistics import median
 from time import perf_counter, process_time
 
+import repository  # noqa: F401
 from ngsolve import BilinearForm, Grad, InnerProduct, LinearForm, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals
 from results import recorded
 
 from ngsxfem_contact import LoadSteps, TipEnrichment
-from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
+from study.paper import BODY_FORCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
 
 COLUMNS = "h inverse unknowns multipliers linear contact ratio set-up assemble factor other step step_ratio iterations memory_GB linear_GB".split()
 

@@ -22,6 +22,7 @@ from tempfile import NamedTemporaryFile
 from time import perf_counter
 
 import numpy as np
+import repository  # noqa: F401
 from netgen.geom2d import SplineGeometry
 from ngsolve import BilinearForm, Grad, InnerProduct, LinearForm, Mesh, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals  # fmt: skip
 from results import recorded
@@ -30,7 +31,7 @@ from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, C
 from ngsxfem_contact._ngsxfem_contact import CrackBilinearForm
 from ngsxfem_contact.loads.face_traction import ComparedTraction
 from ngsxfem_contact.operators import NORMAL, Strain
-from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, PAIRS, TRACTION
+from study.paper import BODY_FORCE, MATERIAL, PAIRS, TRACTION
 
 BODIES = {"interior": (Crack([(0.3, 0.01), (0.7, 0.03)]), 0.1), "edge": (Crack([(0, 0), (0.5, 0)]), 0.49)}
 GETFEM = """

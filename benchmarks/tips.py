@@ -5,12 +5,13 @@ python benchmarks/tips.py [--h 0.088 0.057 0.03 0.016 0.008]
 
 import argparse
 
+import repository  # noqa: F401
 from ngsolve import TaskManager, ngsglobals
 from results import recorded
 
 from ngsxfem_contact import BarbosaHughes, TipEnrichment
 from ngsxfem_contact.contact import Coercivity
-from ngsxfem_contact.study.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
+from study.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
 
 TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(functions="branch"), "none": None}
 

@@ -21,6 +21,7 @@ from .fracture import CrackGrowth, GivenIncrement, Paris
 from . import loads  # noqa: F401
 from .contact import BarbosaHughes, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca
 from . import exact  # noqa: F401
+from . import job  # noqa: F401
 
 __all__ = [
     "Crack", "CrackedMesh", "CrackFESpace", "TipEnrichment", "TraceSpace", "Elasticity",  # body, spaces, material

@@ -2,19 +2,19 @@
 # # 3. Contact: pressure, gap, active set, and the form itself
 #
 # What does `ContactProblem.Solve()` solve, and what can be read from its answer? The problem of tutorial 1 is in the package, as
-# `paper_problem`: a square with an edge crack that closes near its tip (section 4 of the paper, load B).
+# a file that describes a [part](../job.md): a square with an edge crack that closes near its tip (section 4 of the paper, load B).
 
 # %%
 import matplotlib.pyplot as plt
 import numpy as np
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh
-from ngsxfem_contact.pictures import plot_profile
+from ngsxfem_contact.job.part import EXAMPLE, read_part
+from ngsxfem_contact.pictures.plotting import plot_profile
 from scipy.sparse import bmat, csr_matrix
 from scipy.sparse.linalg import spsolve
 
-problem = paper_problem(unstructured_mesh(h=0.06))
+problem = read_part(EXAMPLE, maxh=0.12).problem
 solution = problem.Solve()
 print(solution.report)
 

@@ -3,19 +3,24 @@
 #
 # How fast do the errors fall with the mesh size? Section 4 of the paper answers for five pairs of spaces and five meshes. The whole study is one command,
 #
-#     python -m ngsxfem_contact study
+#     python -m study
 #
 # and takes some twenty minutes; what it found is on the page [claim by claim](../paper.md). Here is a small one: three structured meshes, errors against a P2/P1
 # solution on 45 × 45 squares.
 
 # %%
+import sys
 import tempfile
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.study import figures
-from ngsxfem_contact.study.study import Study
+
+# the folder `study` is not installed: it lies in one of the folders above this file, or above where this notebook runs
+sys.path += map(str, Path(globals().get("__file__", "notebook")).resolve().parents)
+from study import figures
+from study.study import Study
 
 folder = tempfile.mkdtemp()
 study = Study(folder, sizes=(0.088, 0.05, 0.03), realisations=1, structured=True, cells=45)

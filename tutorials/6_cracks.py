@@ -5,13 +5,19 @@
 # each, and shows what is refused.
 
 # %%
+import sys
+from pathlib import Path
+
 import matplotlib.pyplot as plt
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.pictures import plot_body, plot_mesh, plot_profile
-from ngsxfem_contact.study.shapes import SHAPES, body_mesh, deviations, shape_problem
+from ngsxfem_contact.pictures.plotting import plot_body, plot_mesh, plot_profile
+
+# the folder `study` is not installed: it lies in one of the folders above this file, or above where this notebook runs
+sys.path += map(str, Path(globals().get("__file__", "notebook")).resolve().parents)
+from study.shapes import SHAPES, body_mesh, deviations, shape_problem
 
 geometry = SplineGeometry()
 geometry.AddRectangle((0, -0.5), (1, 0.5), bcs=["bottom", "right", "top", "left"])
@@ -154,7 +160,7 @@ attempt("A disk that does not fit", lambda: CrackFESpace(body, order=2, tip=TipE
 #
 # 1. **Under hydrostatic pressure alone**, a frictionless crack of any shape is not felt: $u$ is linear, $\lambda = -1$ on all of them. (Equation (2) with $\sigma = -I$ has no shear on any curve.)
 #    Four cracks, three of them bent, must give this up to their quadrature.
-# 2. **Against fitted meshes.** `ngsxfem_contact.shapes` has three problems, an arc, two cracks and a kinked crack, with energies, contact forces and stress
+# 2. **Against fitted meshes.** `study/shapes.py` has three problems, an arc, two cracks and a kinked crack, with energies, contact forces and stress
 #    intensity factors from meshes that are fitted to the cracks and polynomials of order 7 to 10. (The contact force of the kinked crack is on a
 #    zone of one element beside the kink: how long the zone is depends on where the mesh puts its nodes, see [measured](../measured.md). It is printed, and left out of the check.)
 

@@ -131,7 +131,7 @@ def InfSup(V, W, weight=specialcf.mesh_size):
 
     V: CrackFESpace.    W: TraceSpace on the same body.    Raises ValueError for a weight that is not positive and finite.
     weight: w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
-    `analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
+    `study.analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
     """
     u, v = V.TnT()
     lam, mu = W.TnT()

@@ -11,7 +11,7 @@ from ngsxfem_contact.contact import BarbosaHughes, BothSides, ContactProblem, Co
 from ngsxfem_contact.fracture import GivenIncrement, InteractionIntegral, JumpExtrapolation, Paris
 from ngsxfem_contact.pictures import plot_body, plot_profile
 from ngsxfem_contact.spaces import Interpolant, Projection
-from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
+from study.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

@@ -8,7 +8,7 @@ from ngsolve import CF, VERTEX, NodeId, SetNumThreads, x
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.errors import SingularSystem
 from ngsxfem_contact.exact.closed_forms import rotated_square
-from ngsxfem_contact.study.paper import unstructured_mesh
+from study.paper import unstructured_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

@@ -21,7 +21,7 @@ from ngsxfem_contact.errors import NotCoercive, NotConverged, SingularSystem
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.loads.mouths import mouth_weight
 from ngsxfem_contact.spaces.trace_space import mass_matrix
-from ngsxfem_contact.study.paper import PAIRS, paper_problem, unstructured_mesh
+from study.paper import PAIRS, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 
@@ -473,7 +473,7 @@ MESH = unstructured_mesh(0.06)
 
 def solution_on_crack(points):
     """Load B on one mesh."""
-    from ngsxfem_contact.study.paper import BODY_FORCE, TRACTION
+    from study.paper import BODY_FORCE, TRACTION
 
     body = CrackedMesh(MESH, Crack(points))
     V = CrackFESpace(body, order=2, tip=TipEnrichment(material=MATERIAL))

@@ -30,7 +30,7 @@ from ngsxfem_contact.contact.report import contraction
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.errors import NotCoercive, NotConverged
 from ngsxfem_contact.exact import closed_forms as cf
-from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, PAIRS, TRACTION, paper_problem, unstructured_mesh
+from study.paper import BODY_FORCE, FRICTION_REFERENCE, PAIRS, TRACTION, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 

@@ -8,7 +8,7 @@ from ngsolve import CF, VOL, ElementId, IfPos, Mesh, SetNumThreads, specialcf, x
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
-from ngsxfem_contact.study.paper import PAIRS
+from study.paper import PAIRS
 
 SetNumThreads(1)
 

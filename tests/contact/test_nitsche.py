@@ -14,7 +14,7 @@ from ngsxfem_contact.contact.nitsche import CrackPoints, add_to, rule
 from ngsxfem_contact.errors import NotCoercive
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.operators import NormalStress, TangentialStress
-from ngsxfem_contact.study.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from study.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 

@@ -12,7 +12,7 @@ from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Ti
 from ngsxfem_contact.algebra.active_set import descend, solve_active_set
 from ngsxfem_contact.contact import ConditionNumber
 from ngsxfem_contact.spaces.negligible import negligible_functions
-from ngsxfem_contact.study.paper import MATERIAL, PAIRS
+from study.paper import MATERIAL, PAIRS
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 

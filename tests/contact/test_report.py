@@ -9,7 +9,7 @@ from ngsolve import SetNumThreads
 from ngsxfem_contact import Coulomb, LoadSteps, Nitsche
 from ngsxfem_contact.algebra import FixedPoint
 from ngsxfem_contact.contact.report import Report
-from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh
+from study.paper import paper_problem, unstructured_mesh
 
 SetNumThreads(1)
 

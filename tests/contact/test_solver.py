@@ -17,7 +17,7 @@ from ngsxfem_contact.algebra.matrices import to_scipy
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.errors import NotCoercive, NotConverged, SingularSystem
 from ngsxfem_contact.spaces.unknowns import Unknowns
-from ngsxfem_contact.study.paper import PAIRS, paper_problem, unstructured_mesh
+from study.paper import PAIRS, paper_problem, unstructured_mesh
 
 SetNumThreads(1)
 

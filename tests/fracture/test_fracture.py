@@ -14,7 +14,7 @@ from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import InteractionIntegral
 from ngsxfem_contact.fracture.tip_fields import TipFrame, half_angle
-from ngsxfem_contact.study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
+from study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
 
 ANGLE, OFFSET = 0.4, (0.02, -0.03)
 MOUTH = cf.mouths(ANGLE, OFFSET)[0]

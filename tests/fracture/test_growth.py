@@ -15,7 +15,7 @@ from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, Paris, WingCracks
 from ngsxfem_contact.fracture.growth import extended
 from ngsxfem_contact.fracture.stress_intensity import is_closed
-from ngsxfem_contact.study.paper import MATERIAL
+from study.paper import MATERIAL
 
 EDGE = [Crack([(0, 0), (0.3, 0)])]
 INCLINED = [Crack([(0.38, -0.1), (0.62, 0.1)])]

@@ -32,7 +32,7 @@ from ngsxfem_contact.contact import BarbosaHughes, BothSides, ContactProblem, Co
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.exact.closed_forms import open_tip
 from ngsxfem_contact.operators import NormalGap
-from ngsxfem_contact.study.paper import PAIRS
+from study.paper import PAIRS
 
 SetNumThreads(1)
 

@@ -21,6 +21,7 @@ PACKAGE = ROOT / "ngsxfem_contact"
 CPP_FILES = sorted((ROOT / "cpp").glob("*/*.?pp"))
 BINDING_FILES = sorted((ROOT / "python").glob("*.?pp"))
 PYTHON_FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.name != "_build_info.py")
+STUDY_FILES = sorted((ROOT / "study").glob("*.py"))
 TOOL = runpy.run_path(str(ROOT / "tools" / "architecture.py"))
 LAYERS = {title: (list(units), uses) for title, units, uses in TOOL["layers"]()}
 
@@ -37,7 +38,7 @@ def test_arrows_run_down(half, layer):
 
 
 def test_every_file_is_in_a_layer():
-    core, package = set(LAYERS["core"][0]), {*LAYERS["package"][0], "study"}
+    core, package = set(LAYERS["core"][0]), set(LAYERS["package"][0])
     assert {path.parent.name for path in CPP_FILES} == core == {path.name for path in (ROOT / "cpp").iterdir() if path.is_dir()}
     assert {path.parent.name for path in PYTHON_FILES if path.parent != PACKAGE} == package - {TOOL["BASE"]}
     assert not list((ROOT / "cpp").glob("*.?pp"))
@@ -118,7 +119,7 @@ def test_the_page_has_every_layer_in_order():
 
 
 def python_functions():
-    for path in PYTHON_FILES:
+    for path in PYTHON_FILES + STUDY_FILES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.FunctionDef):
                 yield f"{name_of(path)}:{node.name}", node.end_lineno - node.lineno + 1
@@ -131,7 +132,7 @@ def test_functions_are_short():
     assert sorted(lengths.values())[len(lengths) // 2] <= 10
 
 
-@pytest.mark.parametrize("path", CPP_FILES + BINDING_FILES + PYTHON_FILES, ids=name_of)
+@pytest.mark.parametrize("path", CPP_FILES + BINDING_FILES + PYTHON_FILES + STUDY_FILES, ids=name_of)
 def test_files_are_short(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
 
@@ -213,7 +214,7 @@ def test_the_reader_of_docstrings_is_not_blind():
     assert not written(extension.Side.__index__, "__index__") and "Crack.PointAt" in dict(exported()) and "Side.Plus" not in dict(exported())
 
 
-@pytest.mark.parametrize("path", PYTHON_FILES, ids=name_of)
+@pytest.mark.parametrize("path", PYTHON_FILES + STUDY_FILES, ids=name_of)
 def test_python_has_docstrings(path):
     assert list(undocumented(ast.parse(path.read_text(encoding="utf-8")), path.stem)) == []
 

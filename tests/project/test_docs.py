@@ -22,7 +22,7 @@ from ngsxfem_contact.contact.friction import Frictionless
 from ngsxfem_contact.contact.stabilisation import Unstabilised
 from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, pressure_error, rotated_square, uniform_compression, uniform_stress
 from ngsxfem_contact.operators import NORMAL
-from ngsxfem_contact.study.paper import MATERIAL, paper_problem, unstructured_mesh
+from study.paper import MATERIAL, paper_problem, unstructured_mesh
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"

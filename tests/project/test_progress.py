@@ -10,7 +10,7 @@ from ngsxfem_contact import progress
 from ngsxfem_contact.fracture import GivenIncrement
 from ngsxfem_contact.fracture.growth import CrackGrowth
 from ngsxfem_contact.progress import doing
-from ngsxfem_contact.study.paper import paper_problem, unstructured_mesh
+from study.paper import paper_problem, unstructured_mesh
 
 
 @pytest.fixture
@@ -100,5 +100,5 @@ def test_crack_growth_counts_its_steps(lines, monkeypatch):
 @pytest.mark.parametrize("options, silent", [([], False), (["--quiet"], True)])
 def test_command_line(options, silent, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(progress, "say", progress.say)  # restored after the test
-    assert cli.main(["--h", "0.2", "--no-figures", "--output", str(tmp_path), *options]) == 0
+    assert cli.main(["--maxh", "0.4", "--no-figures", "--output", str(tmp_path), *options]) == 0
     assert ("solving for" in capsys.readouterr().out) is not silent

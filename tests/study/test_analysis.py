@@ -1,12 +1,12 @@
-"""The claims of the paper's analysis on few meshes; `python -m ngsxfem_contact.analysis` is the full table."""
+"""The claims of the paper's analysis on few meshes; `python -m study.analysis` is the full table."""
 
 import numpy as np
 import pytest
 from ngsolve import CF, IfPos, Mesh, SetNumThreads, unit_square, y
 from ngsolve import x as X
 
-from ngsxfem_contact.study import analysis
-from ngsxfem_contact.study.paper import PAIRS, REFERENCE
+from study import analysis
+from study.paper import PAIRS, REFERENCE
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 

@@ -11,7 +11,7 @@ from ngsolve import Mesh, SetNumThreads
 from ngsxfem_contact import BarbosaHughes
 from ngsxfem_contact.contact import Coercivity
 from ngsxfem_contact.errors import SingularSystem
-from ngsxfem_contact.study.paper import PAIRS, REFERENCE, paper_problem, unstructured_mesh
+from study.paper import PAIRS, REFERENCE, paper_problem, unstructured_mesh
 
 SetNumThreads(1)  # these problems are too small to gain from threads
 

@@ -12,7 +12,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact.arc_solution import OpenArc
 from ngsxfem_contact.exact.closed_forms import rotated_square
-from ngsxfem_contact.study.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem
+from study.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from closed_forms import case_arc  # noqa: E402

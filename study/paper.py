@@ -11,12 +11,12 @@ from typing import Any
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, cos, sin, specialcf, x, y
 
-from .._ngsxfem_contact import Crack, CrackedMesh
-from ..contact.problem import ContactProblem
-from ..contact.stabilisation import BarbosaHughes
-from ..material import Elasticity
-from ..spaces.crack_fespace import CrackFESpace, TipEnrichment
-from ..spaces.trace_space import TraceSpace
+from ngsxfem_contact._ngsxfem_contact import Crack, CrackedMesh
+from ngsxfem_contact.contact.problem import ContactProblem
+from ngsxfem_contact.contact.stabilisation import BarbosaHughes
+from ngsxfem_contact.material import Elasticity
+from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
+from ngsxfem_contact.spaces.trace_space import TraceSpace
 
 MATERIAL = Elasticity(lam=1, mu=1)
 

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh
 
-from .._ngsxfem_contact import Crack, CrackedMesh
-from ..contact.problem import ContactProblem
-from ..contact.stabilisation import BarbosaHughes
-from ..spaces.crack_fespace import CrackFESpace, TipEnrichment
-from ..spaces.trace_space import TraceSpace
+from ngsxfem_contact._ngsxfem_contact import Crack, CrackedMesh
+from ngsxfem_contact.contact.problem import ContactProblem
+from ngsxfem_contact.contact.stabilisation import BarbosaHughes
+from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
+from ngsxfem_contact.spaces.trace_space import TraceSpace
+
 from .paper import BODY_FORCE, MATERIAL, PAIRS, TRACTION
 
 KINK = (0.3, 0.02)

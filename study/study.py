@@ -14,16 +14,17 @@ import numpy as np
 from ngsolve import Grad, TaskManager
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ..contact.checks import Coercivity, InfSup
-from ..contact.cones import CONES
-from ..contact.options import StepOptions
-from ..contact.problem import ContactProblem
-from ..contact.report import Report
-from ..contact.solution import ContactSolution, State
-from ..contact.solver import ReducedProblem
-from ..contact.stabilisation import BarbosaHughes, BothSides
-from ..errors import SolveError
-from ..files import UnreadableFile, only_one, write_whole
+from ngsxfem_contact.contact.checks import Coercivity, InfSup
+from ngsxfem_contact.contact.cones import CONES
+from ngsxfem_contact.contact.options import StepOptions
+from ngsxfem_contact.contact.problem import ContactProblem
+from ngsxfem_contact.contact.report import Report
+from ngsxfem_contact.contact.solution import ContactSolution, State
+from ngsxfem_contact.contact.solver import ReducedProblem
+from ngsxfem_contact.contact.stabilisation import BarbosaHughes, BothSides
+from ngsxfem_contact.errors import SolveError
+from ngsxfem_contact.files import UnreadableFile, only_one, write_whole
+
 from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, varied_mesh
 
 SIZES = (0.088, 0.057, 0.03, 0.016, 0.008)

@@ -1,6 +1,6 @@
 """The analysis of [AHLMR12] by number: interpolation (14), traces (20) and (21), Lemma A.1, inf-sup constants.
 
-    python -m ngsxfem_contact.analysis
+    python -m study.analysis
 
 Closed forms and their letters are those of `closed_forms`. Rates are slopes of means over rotated and shifted bodies.
 """
@@ -13,16 +13,17 @@ from math import pi
 import numpy as np
 from ngsolve import CF, CoefficientFunction, Grad, GridFunction, IfPos, InnerProduct, Integrate, ngsglobals, sqrt, x, y
 
-from .._ngsxfem_contact import CrackedMesh
-from ..contact.checks import InfSup
-from ..contact.stabilisation import BarbosaHughes
-from ..exact import closed_forms as cf
-from ..operators import NormalGap, NormalStress, Strain
-from ..pictures.plotting import von_mises
-from ..points import crack_points
-from ..spaces.crack_fespace import CrackFESpace, TipEnrichment
-from ..spaces.interpolation import Interpolant
-from ..spaces.trace_space import TraceSpace
+from ngsxfem_contact._ngsxfem_contact import CrackedMesh
+from ngsxfem_contact.contact.checks import InfSup
+from ngsxfem_contact.contact.stabilisation import BarbosaHughes
+from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.operators import NormalGap, NormalStress, Strain
+from ngsxfem_contact.pictures.plotting import von_mises
+from ngsxfem_contact.points import crack_points
+from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
+from ngsxfem_contact.spaces.interpolation import Interpolant
+from ngsxfem_contact.spaces.trace_space import TraceSpace
+
 from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, unstructured_mesh, varied_mesh
 
 REALISATIONS = 5

@@ -1,0 +1,120 @@
+"""A part: the problem that a TOML file describes, and the load steps that it asks for. docs/job.md is the grammar."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from .._ngsxfem_contact import CrackedMesh
+from ..contact.load_steps import LoadSteps
+from ..contact.problem import ContactProblem
+from ..contact.solution import ContactSolution
+from . import body, conditions
+from .table import RefusedPart, Table, array, boolean, number, subtable, tables, text, whole
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "paper.toml"
+ONE, MANY = (
+    ("mesh", "displacement", "multiplier", "contact", "stabilisation", "friction", "initial", "solve", "output", "reference"),
+    ("material", "crack", "load", "support"),
+)
+
+
+@dataclass
+class Part:
+    """What a file describes.
+
+    title: of the part.    problem: the ContactProblem, its loads and supports included.    factors: of the loads, one for each step; None: one solve with
+    all of them.    inverse: the direct solver, or None.    output, reference: the tables of the file.
+    """
+
+    file: Path
+    title: str
+    problem: ContactProblem
+    factors: list[float] | None
+    inverse: str | None
+    output: dict
+    reference: dict
+
+    def Solve(self) -> list[ContactSolution]:
+        """The solution of each step. Raises as ContactProblem.Solve, RefusedPart where that raises ValueError: what is given cannot be meant."""
+        with Table({}, "[solve]", self.file).Blamed():
+            if self.factors is None:
+                return [self.problem.Solve(inverse=self.inverse)]
+            steps = LoadSteps(self.problem, inverse=self.inverse)
+            return [steps.Solve(factor) for factor in self.factors]
+
+
+def read_part(path, maxh=None) -> Part:
+    """The Part of a TOML file.
+
+    maxh: in place of that of the file, whose mesh is a rectangle.
+    Raises RefusedPart for what the file cannot mean, FileNotFoundError if there is none.
+    """
+    path = Path(path)
+    top = Table(read_toml(path), "the file", path)
+    values = top.Take({"title": text, **dict.fromkeys(ONE, subtable), **dict.fromkeys(MANY, tables)}, ("mesh", "material", "crack"))
+    one = {name: Table(values.get(name, {}), f"[{name}]", path) for name in ONE}
+    many = {name: [Table(entry, f"[[{name}]] {i + 1}", path) for i, entry in enumerate(values.get(name, []))] for name in MANY}
+    if maxh is not None:
+        if "rectangle" not in one["mesh"].values:
+            one["mesh"].Refuse("another size is asked for, but the mesh is read from a file, which has its size")
+        one["mesh"].values["maxh"] = maxh
+    solve = one["solve"].Take({"factors": array(number, "a list of numbers"), "inverse": text})
+    output, reference = output_of(one["output"]), reference_of(one["reference"])
+    problem = problem_of(one, many, values)
+    return Part(path, values.get("title", path.stem), problem, solve.get("factors"), solve.get("inverse"), output, reference)
+
+
+def read_toml(path):
+    """The file as a dictionary."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RefusedPart(f"{path} is no TOML file: {error}") from None
+
+
+def problem_of(one, many, values):
+    """The ContactProblem of the tables."""
+    for name in ("material", "crack"):
+        if not many[name]:
+            raise RefusedPart(f"{one['mesh'].file}: [[{name}]]: there is none")
+    mesh = body.mesh_of(one["mesh"])
+    material = body.material_of(many["material"], mesh)
+    cracks = [body.crack_of(table, mesh) for table in many["crack"]]
+    with Table({}, "[[crack]]", one["mesh"].file).Blamed():
+        cracked = CrackedMesh(mesh, *cracks)
+    V = body.displacements(one["displacement"], cracked, material, conditions.held_by(many["support"], mesh))
+    W = body.multipliers(one["multiplier"], cracked)
+    options = conditions.contact_options(one["contact"]) | conditions.initial_options(one["initial"])
+    if "stabilisation" in values:
+        options["stabilisation"] = conditions.stabilisation_of(one["stabilisation"])
+    if "friction" in values:
+        options["friction"] = conditions.friction_of(one["friction"])
+    with Table({}, "[contact], [initial], [friction]", one["mesh"].file).Blamed():
+        problem = ContactProblem(V, W, **options)
+    for table in many["load"]:
+        conditions.add_load(table, problem)
+    for table in many["support"]:
+        conditions.add_support(table, problem)
+    return problem
+
+
+def output_of(table):
+    """[output]."""
+    values = table.Take({"folder": text, "points": whole, "vtk": boolean, "pictures": boolean})
+    if not 2 <= values.get("points", 2) <= 1_000_000:
+        table.Refuse(f"{values['points']} must lie between 2 and 1000000", "points")
+    return values
+
+
+def reference_of(table):
+    """[reference]."""
+    rows = array(array(number, ROWS, 0), ROWS)
+    return table.Take({"from": text, "energy": number, "contact_force": array(number, "a list of numbers, one for each crack"), "transitions": rows, "K": rows})
+
+
+ROWS = "a list of lists of numbers"

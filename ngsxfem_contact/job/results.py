@@ -1,0 +1,179 @@
+"""What is written about the solutions of a part: numbers, profiles, VTK, pictures. Each file appears when it is whole."""
+
+import csv
+import json
+from dataclasses import fields
+
+from ..contact.solution import CrackProfile
+from ..files import write_whole
+from ..pictures.plotting import plot_body, plot_profile, pyplot
+
+FACTOR_KEYS = ("K_I", "K_II", "error", "method", "G", "note")
+
+
+def numbers_of(part, solutions):
+    """All numbers of the solutions of a Part, for JSON."""
+    problem = part.problem
+    return {
+        "title": part.title,
+        "file": part.file.name,
+        "triangles": problem.V.mesh.ne,
+        "unknowns": list(solutions[0].report.unknowns),
+        "reference": part.reference,
+        "steps": [{"factor": factor, **numbers_of_step(solution)} for factor, solution in zip(part.factors or [1], solutions, strict=True)],
+    }
+
+
+def numbers_of_step(solution):
+    """Those of one solution."""
+    report, cracks = solution.report, range(len(solution.body.cracks))
+    return {
+        "energy": solution.Energy(),
+        "friction_work": solution.FrictionWork(),
+        "cracks": [
+            {
+                "contact_force": solution.ContactForce(crack),
+                "tangential_force": solution.TangentialForce(crack),
+                "transitions": solution.Transitions(crack).tolist(),
+            }
+            for crack in cracks
+        ],
+        "tips": [{"crack": tip.crack, "point": list(tip.point), **factors_of(solution, number)} for number, tip in enumerate(solution.body.tips)],
+        "reactions": [{"support": row.name, "force": row.force.tolist(), "moment": row.moment} for row in (*solution.Reactions(), solution.Reactions().total)],
+        "report": {
+            "inverse": report.inverse,
+            "iterations": report.iterations,
+            "residual": report.residual,
+            "complementarity": report.complementarity,
+            "seconds": report.timings,
+            "notes": report.notes,
+        },
+    }
+
+
+def factors_of(solution, tip):
+    """K and G at a tip by domain integrals; where their disks have no room K from the modes; None, and why, where there is neither."""
+    found = dict.fromkeys(FACTOR_KEYS)
+    try:
+        found |= factors_by(solution, tip, "interaction")
+        found["G"] = solution.EnergyReleaseRate(tip).G
+    except ValueError as reason:
+        found["note"] = str(reason)
+        if found["K_I"] is None:
+            found |= factors_from_modes(solution, tip)
+    return found
+
+
+def factors_from_modes(solution, tip):
+    """K from the coefficients of the modes; nothing where the space has none."""
+    try:
+        return factors_by(solution, tip, "modes")
+    except ValueError:
+        return {}
+
+
+def factors_by(solution, tip, method):
+    """K by one method."""
+    K = solution.StressIntensity(tip, method)
+    return {"K_I": K.K_I, "K_II": K.K_II, "error": None if K.error != K.error else K.error, "method": method}
+
+
+# For people
+
+
+def summary(numbers, solutions):
+    """The numbers as text, beside the reference where there is one."""
+    lines = [f"{numbers['title']}: {numbers['triangles']} triangles, {numbers['unknowns'][0]} + {numbers['unknowns'][1]} unknowns"]
+    for step, solution in zip(numbers["steps"], solutions, strict=True):
+        if len(solutions) > 1:
+            lines += ["", f"Loads × {step['factor']:g}"]
+        reference = numbers["reference"] if step is numbers["steps"][-1] else {}
+        lines += [*table(step, reference), "", str(solution.Reactions()), "", str(solution.report)]
+    return "\n".join(lines) + "\n"
+
+
+def table(step, reference):
+    """Lines of what was computed, and of what is known."""
+    yield f"  {'':34}{'computed':>16}" + (f"   reference ({reference.get('from', 'of the file')})" if reference else "")
+    for name, value, exact in rows(step, reference):
+        yield f"  {name:34}{'-' if value is None else format(value, '16.8g'):>16}" + ("" if exact is None else f"   {exact:.8g}")
+    for tip, found in enumerate(step["tips"]):
+        if found["note"]:
+            yield f"  tip {tip}: {found['note']}"
+
+
+def rows(step, reference):
+    """(name, computed, reference or None)."""
+    yield "energy ½a(u,u)", step["energy"], reference.get("energy")
+    for number, crack in enumerate(step["cracks"]):
+        where = f", crack {number}" if len(step["cracks"]) > 1 else ""
+        yield f"contact force ∫λ{where}", crack["contact_force"], entry(reference, "contact_force", number)
+        if crack["tangential_force"]:
+            yield f"tangential force ∫λ_t{where}", crack["tangential_force"], None
+        for i, s in enumerate(crack["transitions"]):
+            yield f"contact begins or ends, s{where}", s, entry(reference, "transitions", number, i)
+    for number, tip in enumerate(step["tips"]):
+        where = f", tip {number}" if len(step["tips"]) > 1 else ""
+        for i, name in enumerate(("K_I", "K_II")):
+            yield name + where + (" of the modes" if tip["method"] == "modes" else ""), tip[name], entry(reference, "K", number, i)
+        yield f"G{where}", tip["G"], None
+
+
+def entry(reference, key, *indices):
+    """A number of a reference, or None where it has none."""
+    value = reference.get(key)
+    for i in indices:
+        value = value[i] if value is not None and i < len(value) else None
+    return value
+
+
+# Files
+
+
+def write_results(part, solutions, numbers, text, folder, pictures):
+    """Writes all files; yields their paths.
+
+    numbers, text: `numbers_of` and `summary` of the solutions.    pictures: whether body.png and profile.png are among the files.
+    """
+    document = json.dumps(numbers, indent=1)
+    folder.mkdir(parents=True, exist_ok=True)
+    yield write_whole(folder / "summary.txt", lambda path: path.write_text(text, encoding="utf-8"))
+    yield write_whole(folder / "summary.json", lambda path: path.write_text(document, encoding="utf-8"))
+    yield write_whole(folder / "profile.csv", lambda path: write_profiles(path, part, solutions))
+    if part.output.get("vtk", True):
+        for number, solution in enumerate(solutions):
+            yield solution.SaveVTK(folder / (f"solution_{number}.vtu" if len(solutions) > 1 else "solution.vtu"))
+    if pictures:
+        yield from write_pictures(solutions[-1], folder)
+
+
+def write_profiles(path, part, solutions):
+    """One row for each point of each crack in each step."""
+    options = {"n": part.output["points"]} if "points" in part.output else {}
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["factor", "crack", *(field.name for field in fields(CrackProfile))])
+        for factor, solution in zip(part.factors or [1], solutions, strict=True):
+            for crack in range(len(solution.body.cracks)):
+                profile = solution.Profile(crack, **options)
+                writer.writerows([factor, crack, *row] for row in zip(*(getattr(profile, field.name).tolist() for field in fields(profile))))
+
+
+def write_pictures(solution, folder):
+    """body.png and profile.png, of each crack where there are several."""
+    plt = pyplot()
+    figure, ax = plt.subplots(figsize=(6.5, 6), layout="constrained")
+    plot_body(solution, ax)
+    yield save(figure, folder / "body.png")
+    cracks = len(solution.body.cracks)
+    for crack in range(cracks):
+        figure, axes = plt.subplots(2, 1, figsize=(6.5, 5), sharex=True, layout="constrained")
+        plot_profile(solution, crack, axes)
+        yield save(figure, folder / (f"profile_{crack}.png" if cracks > 1 else "profile.png"))
+
+
+def save(figure, path):
+    """Writes a figure and forgets it."""
+    write_whole(path, lambda temporary: figure.savefig(temporary, dpi=150))
+    pyplot().close(figure)
+    return path

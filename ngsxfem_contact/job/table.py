@@ -1,0 +1,168 @@
+"""Tables of a part's file: every key is known, has the type that it must have, and is there if it must be."""
+
+import math
+from contextlib import contextmanager
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+from netgen.meshing import NgException
+from ngsolve import CF, x, y
+
+from .formula import NoFormula, evaluated
+
+
+class RefusedPart(ValueError):
+    """A part's file says what cannot be meant; the message names file, table and key, and what is allowed."""
+
+
+class Wrong(ValueError):
+    """A value is not what its key needs; the message goes on after "must be"."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """values: of the file.    name: of the table, in messages.    file: the path of the file."""
+
+    values: dict
+    name: str
+    file: Path
+
+    def Refuse(self, why, key=None):
+        """Raises RefusedPart."""
+        raise RefusedPart(f"{self.file}: {self.name}{'' if key is None else f', {key}'}: {why}")
+
+    def Take(self, kinds, required=()):
+        """The values, converted by kinds: key → a function that raises Wrong for what the key cannot have."""
+        for key in self.values:
+            if key not in kinds:
+                meant = get_close_matches(key, kinds, 1)
+                self.Refuse(f"there is no such key{f', did you mean {meant[0]!r}?' if meant else ''}; allowed are {', '.join(kinds)}", key)
+        for key in required:
+            if key not in self.values:
+                self.Refuse(f"the key is missing; the table must have {', '.join(required)}", key)
+        return {key: self.Convert(key, kinds[key]) for key in self.values}
+
+    def Convert(self, key, kind):
+        """One value."""
+        try:
+            return kind(self.values[key])
+        except Wrong as wrong:
+            self.Refuse(f"{self.values[key]!r} must be {wrong}", key)
+        except NoFormula as error:
+            self.Refuse(str(error), key)
+
+    def OneOf(self, keys):
+        """The one of some keys that the table has."""
+        found = [key for key in keys if key in self.values]
+        if len(found) != 1:
+            self.Refuse(f"it has {' and '.join(found) or 'none'} of {', '.join(keys)}; give exactly one of them")
+        return found[0]
+
+    def Together(self, *keys):
+        """Refuses a table that has some of the keys and not the others."""
+        missing = [key for key in keys if key not in self.values]
+        if 0 < len(missing) < len(keys):
+            self.Refuse(f"the key is missing; {' and '.join(keys)} are given together", missing[0])
+
+    @contextmanager
+    def Blamed(self):
+        """What the package refuses inside the block is refused by this table."""
+        try:
+            yield
+        except RefusedPart:
+            raise
+        except (ValueError, TypeError, NgException) as error:
+            self.Refuse(str(error))
+
+
+# Kinds of values
+
+
+def number(value):
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise Wrong("a finite number")
+    return value
+
+
+def whole(value):
+    """A whole number."""
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise Wrong("a whole number")
+    return value
+
+
+def boolean(value):
+    """true or false."""
+    if not isinstance(value, bool):
+        raise Wrong("true or false")
+    return value
+
+
+def text(value):
+    """A string that is not empty."""
+    if not isinstance(value, str) or not value.strip():
+        raise Wrong("a text in quotes")
+    return value
+
+
+def choice(*names):
+    """One of some texts."""
+
+    def kind(value):
+        if value not in names:
+            raise Wrong(f"one of {', '.join(map(repr, names))}")
+        return value
+
+    return kind
+
+
+def array(kind, what, least=1, most=None):
+    """A list of values of a kind; what: it is, in words."""
+
+    def of(value):
+        if not isinstance(value, list) or len(value) < least or (most is not None and len(value) > most):
+            raise Wrong(what)
+        try:
+            return [kind(entry) for entry in value]
+        except Wrong:
+            raise Wrong(what) from None
+
+    return of
+
+
+point = array(number, "a point [x, y]", 2, 2)
+points = array(point, "a list of two or more points [[x, y], ...]", 2)
+
+
+def formula(value):
+    """A number, or a formula in x and y: a number or a CoefficientFunction."""
+    if isinstance(value, str):
+        return evaluated(value, {"x": x, "y": y})
+    try:
+        return number(value)
+    except Wrong:
+        raise Wrong("a finite number, or a formula in x and y in quotes") from None
+
+
+two_formulas = array(formula, "two numbers or formulas [x, y]", 2, 2)
+
+
+def vector(value):
+    """Two formulas: a CoefficientFunction with two components."""
+    return CF(tuple(two_formulas(value)))
+
+
+def subtable(value):
+    """A table in a table."""
+    if not isinstance(value, dict):
+        raise Wrong("a table")
+    return value
+
+
+def tables(value):
+    """A list of tables."""
+    if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value):
+        raise Wrong("a list of tables: write the header in double brackets")
+    return value

@@ -1,1 +1,0 @@
-"""The study of section 4 of [AHLMR12]."""
