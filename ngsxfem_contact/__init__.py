@@ -7,6 +7,8 @@ brings the names of `__all__`. Of NGSolve's own names one is replaced: Variation
 what NGSolve's does for its own, and for those the same.
 """
 
+import logging
+
 # In the order of dependence: each line knows those above it only (tests/project/test_architecture.py).
 from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
 from ._ngsxfem_contact import Crack, CrackBilinearForm, CrackedMesh, ElementKind, EndKind, Side, Variation
@@ -31,6 +33,8 @@ from .contact.load_steps import LoadCase, LoadSteps
 from .contact.checks import Coercivity, InfSup
 from .contact.conditioning import ConditionNumber, CrackScaling
 from . import exact  # noqa: F401
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 __all__ = [
     "Crack", "CrackedMesh", "Side", "EndKind", "ElementKind",  # body and crack

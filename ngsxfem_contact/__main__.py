@@ -3,12 +3,13 @@
 import argparse
 import io
 import json
+import logging
 import sys
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from ngsolve import TaskManager, ngsglobals
 
-from . import progress
 from .contact.stabilisation import BarbosaHughes
 from .errors import SolveError
 from .files import UnreadableFile, write_whole
@@ -18,6 +19,8 @@ from .study.paper import PAIRS, REFERENCE, TRACTION, paper_problem, unstructured
 from .study.study import REFERENCE_CELLS, SIZES, Study
 
 JOBS = ("paper", "study")
+logger = logging.getLogger(f"{__package__}.command")
+study_logger = logging.getLogger(f"{__package__}.study")
 
 
 def parse(arguments):
@@ -177,7 +180,7 @@ def write_figures(solution, folder):
 
 def run_study(options):
     """The convergence study: study.jsonl, study.csv, rates.json and figures; the exit code."""
-    study = Study(options.output, options.sizes, options.realisations, options.structured, options.cells, progress.tell)
+    study = Study(options.output, options.sizes, options.realisations, options.structured, options.cells, study_logger.info)
     records = study.Run()
     rates = fitted_rates(records)
     text = json.dumps(rates, indent=1)
@@ -206,9 +209,9 @@ def run_paper(options):
     """Solves, writes, and says so; the exit code."""
     options.output.mkdir(parents=True, exist_ok=True)
     stabilisation = None if options.unstabilised else BarbosaHughes(options.gamma0)
-    progress.tell(f"meshing with h = {options.h:g} ...")
+    logger.info("meshing with h = %g", options.h)
     problem = paper_problem(unstructured_mesh(options.h), options.load, options.pair, stabilisation, options.cone)
-    progress.tell(f"solving for {problem.V.ndof} + {problem.W.ndof} unknowns ...")
+    logger.info("solving for %d + %d unknowns", problem.V.ndof, problem.W.ndof)
     with TaskManager():
         solution = problem.Solve()
     results = results_of(solution, options)
@@ -225,6 +228,29 @@ def run_paper(options):
     return 0
 
 
+class WithSeconds(logging.Formatter):
+    """Lines that begin with the seconds since the start."""
+
+    def format(self, record):
+        """The line of a record."""
+        return f"{record.relativeCreated / 1000:7.1f} s  {super().format(record)}"
+
+
+@contextmanager
+def shown(name):
+    """Prints what the logger of this name says, from INFO, while the block runs."""
+    source, handler = logging.getLogger(name), logging.StreamHandler(sys.stdout)
+    level = source.level
+    handler.setFormatter(WithSeconds())
+    source.addHandler(handler)
+    source.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        source.removeHandler(handler)
+        source.setLevel(level)
+
+
 def say_what_can_be_said():
     """Characters that a terminal lacks (γ, ²) become question marks, no errors."""
     for stream in (sys.stdout, sys.stderr):
@@ -238,8 +264,9 @@ def main(arguments=None):
     say_what_can_be_said()
     try:
         options = parse(arguments)
-        progress.say = None if options.quiet else lambda line: print(line, flush=True)
-        return run_study(options) if options.job == "study" else run_paper(options)
+        run = {"paper": run_paper, "study": run_study}[options.job]
+        with nullcontext() if options.quiet else shown(__package__ if options.job == "paper" else study_logger.name):
+            return run(options)
     except (SolveError, ImportError, OSError, UnreadableFile) as error:
         print(f"no answer: {error}", file=sys.stderr)
         return 1

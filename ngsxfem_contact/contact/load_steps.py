@@ -1,10 +1,13 @@
 """Many loads on one problem: everything sparse is done once, each step runs on the crack's own unknowns."""
 
+import logging
+
 from ..arguments import check_number, check_options, check_type
 from ..loads.load import AppliedLoad, check_unchanged
-from ..progress import doing
 from .checks import check_load
 from .solver import STEP_OPTIONS, ReducedProblem
+
+logger = logging.getLogger(__name__)
 
 
 class LoadCase:
@@ -50,8 +53,7 @@ class LoadSteps:
                 raise ValueError("LoadSteps: SetDirichlet has freed or fixed components since a load case was made; all cases need the same ones")
             if case.applied.acts_on_faces:
                 check_unchanged(case.applied, case.F, problem.V, "a LoadCase was made")
-        with doing("load steps"):
-            self.reduced = ReducedProblem(problem, inverse)
+        self.reduced = ReducedProblem(problem, inverse)
         self.loads = [self.reduced.load] if cases is None else [self.reduced.Load(case.F, case.given, case.applied, case.jumps) for case in cases]
         if not self.loads:
             raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")
@@ -69,6 +71,7 @@ class LoadSteps:
             raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.loads)} load case(s); give one factor for each")
         for i, factor in enumerate(t):
             check_number(factor, f"LoadSteps: the factor of load case {i}, t")
+        logger.info("load step, factors %s", ", ".join(f"{factor:g}" for factor in t))
         load = t[0] * self.loads[0]
         for factor, case in zip(t[1:], self.loads[1:]):
             load = load + factor * case

@@ -11,7 +11,6 @@ from ..arguments import check_type, check_whole
 from ..errors import NotConverged
 from ..loads.load import AppliedLoad
 from ..loads.reactions import SupportResidual
-from ..progress import doing
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import tip_unknowns
 from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
@@ -33,8 +32,7 @@ def solve(problem, inverse=None, **options):
     options: cone, r, start, max_iterations, previous as for ReducedProblem.Step.
     Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
     """
-    with doing("solving"):
-        return ReducedProblem(problem, inverse).Solve(**options)
+    return ReducedProblem(problem, inverse).Solve(**options)
 
 
 @dataclass
