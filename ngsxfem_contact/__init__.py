@@ -10,7 +10,7 @@ what NGSolve's does for its own, and for those the same.
 import logging
 
 # In the order of dependence: each line knows those above it only (tests/project/test_architecture.py).
-from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
+from . import _version_check  # first: a mismatch must be seen before the extension is loaded
 from ._ngsxfem_contact import Crack, CrackBilinearForm, CrackedMesh, ElementKind, EndKind, Side, Variation
 from . import curves  # noqa: F401  gives Crack its curves
 from .errors import AccuracyWarning, NotCoercive, NotConverged, SingularSystem, SolveError
@@ -34,6 +34,7 @@ from .contact.checks import Coercivity, InfSup
 from .contact.conditioning import ConditionNumber, CrackScaling
 from . import exact  # noqa: F401
 
+__version__ = _version_check.VERSION
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 __all__ = [
