@@ -1,10 +1,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SOURCES := setup.py pyproject.toml CMakeLists.txt README.md \
-  $(wildcard cpp/*/*.?pp python/*.?pp) \
-  $(filter-out %/_build_info.py,$(wildcard ngsxfem_contact/*.py ngsxfem_contact/*/*.py ngsxfem_contact/*.pyi ngsxfem_contact/*/*.toml)) ngsxfem_contact/py.typed
-CPP := $(wildcard cpp/*/*.?pp python/*.?pp)
+CPP := $(shell find cpp python -name '*.?pp')
+SOURCES := pyproject.toml CMakeLists.txt README.md $(CPP) $(shell find ngsxfem_contact -type f ! -name '*.so' ! -name '*.pyc' ! -name _build_info.py)
 BUILD_REQUIRES = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | tr , ' ')
 
 .DELETE_ON_ERROR:
@@ -17,8 +15,8 @@ demo: $(VENV)/plot.stamp ## build the package into .venv and run its main job in
 	mkdir -p results
 	cd results && ../$(BIN)/python -m ngsxfem_contact
 
-test: $(VENV)/test.stamp ## build the package into .venv and run its tests
-	$(BIN)/python -m pytest tests $(PYTEST)
+test: $(VENV)/test.stamp ## build the package into .venv and run its tests, on all cores
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal $(PYTEST)
 
 dev: $(VENV)/dev.stamp ## editable install into .venv that compiles only what changed
 	$(BIN)/pip install --no-build-isolation -c tools/constraints.txt -e '.[plot,test]'
@@ -42,8 +40,7 @@ format: $(VENV)/dev_tools.stamp ## format Python (C++ is set by hand: i+1, and 2
 # clang does not know two options of g++ that NGSolve's targets bring.
 tidy: $(VENV)/dev_tools.stamp ## look for mistakes in the C++ with clang-tidy, ten minutes
 	$(BIN)/cmake -S . -B build/tidy -G Ninja -DCMAKE_MAKE_PROGRAM=$(abspath $(BIN)/ninja) -DCMAKE_EXPORT_COMPILE_COMMANDS=ON \
-	  -DPython3_EXECUTABLE=$(abspath $(BIN)/python) -DNetgen_DIR=$$($(BIN)/python -m netgen.config get_cmake_dir) \
-	  -DNGSolve_DIR=$$($(BIN)/python -m ngsolve.config get_cmake_dir)
+	  -DPython3_EXECUTABLE=$(abspath $(BIN)/python)
 	sed -i 's/ -fabi-version=17//; s/ -fcx-limited-range//' build/tidy/compile_commands.json
 	$(BIN)/clang-tidy -p build/tidy --quiet $(filter %.cpp,$(CPP))
 
@@ -61,7 +58,7 @@ wheel: $(VENV)/dev_tools.stamp ## build sdist and wheel in dist/, as a release d
 	sh tools/repair_wheel.sh $$(ls -t dist/*-linux_*.whl | head -n 1) dist $(BIN)/python
 
 clean: ## remove all that was built, and .venv; keep results/
-	rm -rf build dist docs/tutorials *.egg-info $(VENV) ngsxfem_contact/_build_info.py ngsxfem_contact/_ngsxfem_contact*.so
+	rm -rf build dist docs/tutorials $(VENV) ngsxfem_contact/_build_info.py ngsxfem_contact/_ngsxfem_contact*.so
 
 $(VENV)/venv.stamp:
 	@command -v $(PYTHON) > /dev/null || { echo "missing: $(PYTHON)"; \
@@ -71,7 +68,6 @@ $(VENV)/venv.stamp:
 	touch $@
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)
-	rm -rf build/lib*
 	$(BIN)/pip install .
 	touch $@
 

@@ -7,6 +7,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import docstrings  # noqa: E402
 
+from ngsxfem_contact import __version__ as release  # noqa: E402, F401
+
 project = "ngsxfem_contact"
 copyright = "the ngsxfem_contact developers, LGPL-3.0-or-later"
 extensions = ["myst_nb", "sphinx.ext.autodoc"]

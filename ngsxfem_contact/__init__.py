@@ -8,8 +8,10 @@ docs/api.md. Of NGSolve's own names one is replaced: Variation, which does for m
 those the same.
 """
 
+import logging
+
 # In the order of dependence: each line knows those above it only (tests/project/test_architecture.py).
-from . import _version_check  # noqa: F401  first: a mismatch must be seen before the extension is loaded
+from . import _version_check  # first: a mismatch must be seen before the extension is loaded
 from .geometry import Crack, CrackedMesh
 from .errors import SolveError
 from .material import Elasticity
@@ -22,6 +24,9 @@ from . import loads  # noqa: F401
 from .contact import BarbosaHughes, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca
 from . import exact  # noqa: F401
 from . import job  # noqa: F401
+
+__version__ = _version_check.VERSION
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 __all__ = [
     "Crack", "CrackedMesh", "CrackFESpace", "TipEnrichment", "TraceSpace", "Elasticity",  # body, spaces, material

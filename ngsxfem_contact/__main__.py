@@ -1,18 +1,22 @@
 """The command line: `python -m ngsxfem_contact part.toml` solves a part, docs/job.md; without a file the test of the paper."""
 
 import argparse
+import importlib.util
 import io
+import logging
 import sys
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from ngsolve import TaskManager, ngsglobals
 
-from . import progress
 from .errors import SolveError
 from .files import UnreadableFile
 from .job.part import EXAMPLE, read_part
 from .job.results import numbers_of, summary, write_results
 from .job.table import RefusedPart
+
+logger = logging.getLogger(f"{__package__}.command")
 
 
 def parse(arguments):
@@ -44,13 +48,13 @@ def can_draw():
 
 def run(options):
     """Solves, writes, and says so."""
-    progress.tell(f"reading {options.file} ...")
+    logger.info("reading %s", options.file)
     with TaskManager():
         part = read_part(options.file, options.maxh)
         folder = options.output or Path(part.output.get("folder", "."))
         if folder.exists() and not folder.is_dir():
             raise NotADirectoryError(f"{folder} is a file; give a folder for the results")
-        progress.tell(f"solving for {part.problem.V.ndof} + {part.problem.W.ndof} unknowns ...")
+        logger.info("solving for %d + %d unknowns", part.problem.V.ndof, part.problem.W.ndof)
         solutions = part.Solve()
         numbers = numbers_of(part, solutions)
         text = summary(numbers, solutions)
@@ -58,6 +62,29 @@ def run(options):
         draws = not options.no_figures and part.output.get("pictures", True) and can_draw()
         written = list(write_results(part, solutions, numbers, text, folder, draws))
     print(f"wrote {', '.join(Path(path).name for path in written)} to {folder.resolve()}")
+
+
+class WithSeconds(logging.Formatter):
+    """Lines that begin with the seconds since the start."""
+
+    def format(self, record):
+        """The line of a record."""
+        return f"{record.relativeCreated / 1000:7.1f} s  {super().format(record)}"
+
+
+@contextmanager
+def shown(name):
+    """Prints what the logger of this name says, from INFO, while the block runs."""
+    source, handler = logging.getLogger(name), logging.StreamHandler(sys.stdout)
+    level = source.level
+    handler.setFormatter(WithSeconds())
+    source.addHandler(handler)
+    source.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        source.removeHandler(handler)
+        source.setLevel(level)
 
 
 def say_what_can_be_said():
@@ -87,12 +114,25 @@ def ending_well(job):
 def main(arguments=None):
     """Runs a command line; returns its exit code."""
     ngsglobals.msg_level = 0
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if arguments[:1] == ["study"]:
+        return main_of_study(arguments[1:])
     options = parse(arguments)
     if options.example:
         print(EXAMPLE.read_text(encoding="utf-8"), end="")
         return 0
-    progress.say = None if options.quiet else lambda line: print(line, flush=True)
-    return ending_well(lambda: run(options))
+    with nullcontext() if options.quiet else shown(__package__):
+        return ending_well(lambda: run(options))
+
+
+def main_of_study(arguments):
+    """`python -m study`, where the sources of the package are at hand; returns its exit code."""
+    if importlib.util.find_spec("study") is None:
+        print("there is no `study` here: it lies beside the package, in its sources; run `python -m study` in their folder", file=sys.stderr)
+        return 2
+    from study.__main__ import main
+
+    return main(arguments)
 
 
 if __name__ == "__main__":

@@ -3,8 +3,8 @@
 from ngsolve.config import NGSOLVE_VERSION_PYTHON
 
 try:
-    from ._build_info import NGSOLVE_VERSION
-except ModuleNotFoundError:
+    from ._build_info import NGSOLVE_VERSION, VERSION  # noqa: F401
+except ImportError:  # none, or one without the version
     raise ImportError(
         "this copy of ngsxfem_contact is source code that has not been built: run `make dev` "
         "in its folder, or `pip install .` and start Python in another folder"

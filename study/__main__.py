@@ -2,17 +2,20 @@
 
 import argparse
 import json
+import logging
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 from ngsolve import ngsglobals
 
-from ngsxfem_contact import progress
-from ngsxfem_contact.__main__ import can_draw, ending_well
+from ngsxfem_contact.__main__ import can_draw, ending_well, shown
 from ngsxfem_contact.files import write_whole
 
 from .figures import fitted_rates, write_figures
 from .study import REFERENCE_CELLS, SIZES, Study
+
+logger = logging.getLogger(__package__)
 
 
 def parse(arguments):
@@ -49,7 +52,7 @@ def check(parser, options):
 
 def run(options):
     """study.jsonl, study.csv, rates.json and figures."""
-    study = Study(options.output, options.sizes, options.realisations, options.structured, options.cells, progress.tell)
+    study = Study(options.output, options.sizes, options.realisations, options.structured, options.cells, logger.info)
     records = study.Run()
     rates = fitted_rates(records)
     text = json.dumps(rates, indent=1)
@@ -77,8 +80,8 @@ def main(arguments=None):
     """Runs a command line; returns its exit code: 0, 1 without an answer, 130 after Ctrl-C."""
     ngsglobals.msg_level = 0
     options = parse(arguments)
-    progress.say = None if options.quiet else lambda line: print(line, flush=True)
-    return ending_well(lambda: run(options))
+    with nullcontext() if options.quiet else shown(logger.name):
+        return ending_well(lambda: run(options))
 
 
 if __name__ == "__main__":

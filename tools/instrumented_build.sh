@@ -2,13 +2,15 @@
 # instrumented_build.sh PYTHON FOLDER CMAKE_OPTION...: compiles the package with these options into FOLDER/package, for PYTHONPATH.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
-python=$1 out=$2 package=$2/package/ngsxfem_contact
+python=$1 out=$2
 shift 2
-mkdir -p "$package"
-cp -r "$root"/ngsxfem_contact/*.py "$root"/ngsxfem_contact/*.pyi "$root"/ngsxfem_contact/py.typed "$package"
+rm -rf "$out/package"
+mkdir -p "$out/package"
+cp -r "$root/ngsxfem_contact" "$out/package"
+rm -f "$out"/package/ngsxfem_contact/*.so
 
-dir() { "$python" -m "$1.config" get_cmake_dir; }
-cmake -S "$root" -B "$out/build" -G Ninja -DPython3_EXECUTABLE="$python" -DNGSolve_DIR="$(dir ngsolve)" -DNetgen_DIR="$(dir netgen)" \
-  -DNGSOLVE_VERSION="$("$python" -c 'import ngsolve.config as c; print(c.NGSOLVE_VERSION_PYTHON)')" "$@" > "$out/cmake.log"
+cmake -S "$root" -B "$out/build" -G Ninja -DPython3_EXECUTABLE="$python" "$@" > "$out/cmake.log"
 ninja -C "$out/build"
-cp --remove-destination "$out"/build/*.so "$out"/build/_build_info.py "$package"
+cmake --install "$out/build" --prefix "$out/package" > /dev/null
+# Another copy that goes before PYTHONPATH would be tested in its place, and found clean.
+PYTHONPATH=$out/package "$python" -c "from importlib.util import find_spec as spec; print(spec('ngsxfem_contact').origin)" | grep "^$out/"

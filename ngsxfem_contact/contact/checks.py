@@ -1,5 +1,7 @@
 """What can be wrong with a problem before it is solved: each is named, none is a warning."""
 
+import logging
+
 import numpy as np
 import scipy
 from ngsolve import BilinearForm, Grad, InnerProduct, specialcf
@@ -8,12 +10,13 @@ from ..algebra.elimination import Elimination, unit_scale
 from ..algebra.matrices import csr_view, mask, to_scipy
 from ..errors import NotCoercive, SingularSystem
 from ..operators import NormalGap
-from ..progress import doing
 from ..spaces.connectivity import RigidMotions
 from ..spaces.unknowns import Unknowns
 from .contact_system import stiffness_form
 from .mixed_system import LocalPressures
 from .stabilisation import trait
+
+logger = logging.getLogger(__name__)
 
 
 def check_gap(system):
@@ -106,8 +109,8 @@ def Coercivity(problem):
     K_gamma = to_scipy(BilinearForm(gamma * squared * problem.body.dcrack).Assemble().mat)
     if problem.is_mixed:
         K_gamma -= LocalPressures(problem, gamma).Stiffness()
-    with doing(f"smallest eigenvalue of K - K_γ against K, {V.ndof} unknowns"):
-        return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, Unknowns(V).tips), mask(problem.free))
+    logger.info("smallest eigenvalue of K - K_γ against K, %d unknowns", V.ndof)
+    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, Unknowns(V).tips), mask(problem.free))
 
 
 def largest_eigenvalue(A, M, M_inverse, free):

@@ -1,16 +1,18 @@
 """Many loads on one problem: everything sparse is done once, each step runs on the crack's own unknowns."""
 
+import logging
 from collections.abc import Sequence
 from typing import Literal
 
 from ..arguments import check_number, check_type
 from ..loads.load import check_unchanged
-from ..progress import doing
 from .load_case import LoadCase
 from .options import Start, StepOptions
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .solver import ReducedProblem
+
+logger = logging.getLogger(__name__)
 
 
 class LoadSteps:
@@ -40,8 +42,7 @@ class LoadSteps:
                 raise ValueError("LoadSteps: SetDirichlet has freed or fixed components since a load case was made; all cases need the same ones")
             if case.load.acts_on_faces:
                 check_unchanged(case.load, case.F, problem.V, "a LoadCase was made")
-        with doing("load steps"):
-            self.reduced = ReducedProblem(problem, inverse)
+        self.reduced = ReducedProblem(problem, inverse)
         self.cases = [self.reduced.case] if cases is None else [self.reduced.Reduce(case) for case in cases]
         if not self.cases:
             raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")
@@ -66,6 +67,7 @@ class LoadSteps:
             raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.cases)} load case(s); give one factor for each")
         for i, factor in enumerate(t):
             check_number(factor, f"LoadSteps: the factor of load case {i}, t")
+        logger.info("load step, factors %s", ", ".join(f"{factor:g}" for factor in t))
         case = t[0] * self.cases[0]
         for factor, other in zip(t[1:], self.cases[1:]):
             case = case + factor * other

@@ -12,7 +12,6 @@ from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
 from ..material import Isotropic
 from ..operators import Gradient, Minus, Plus
-from ..progress import doing
 from ..protocols import FaceLaw, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
@@ -255,5 +254,4 @@ class ContactProblem:
         (gamma0 too large), NotConverged, and ValueError for data that are not finite.
         """
         options = StepOptions(cone, start, max_iterations, previous)
-        with doing("solving"):
-            return ReducedProblem(self, inverse).Solve(options)
+        return ReducedProblem(self, inverse).Solve(options)

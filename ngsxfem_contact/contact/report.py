@@ -1,12 +1,14 @@
 """What a solve did: counts, times and residuals."""
 
+import logging
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import isnan
 from time import perf_counter
 
 from ..algebra.nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
-from ..progress import doing
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(repr=False)
@@ -96,8 +98,9 @@ def contraction(changes):
 
 @contextmanager
 def stage(timings, name, what):
-    """Books the seconds of a block in `timings`; what: said if it takes long."""
+    """Books the seconds of a block in `timings`; what: logged where it begins, and with its seconds where it ends."""
+    logger.info(what)
     start = perf_counter()
-    with doing(what):
-        yield
+    yield
     timings[name] = perf_counter() - start
+    logger.debug("%s: %.3f s", what, timings[name])

@@ -1,6 +1,7 @@
 """Growth of cracks step by step, contact active throughout, on one mesh: docs/method.md, section 9."""
 
 import csv
+import logging
 from dataclasses import dataclass
 from math import atan2, cos, degrees, pi, sin, sqrt
 from pathlib import Path
@@ -11,10 +12,11 @@ from .._ngsxfem_contact import Crack, CrackedMesh
 from ..arguments import check_number, check_positive, check_whole
 from ..errors import SingularSystem
 from ..files import write_whole
-from ..progress import doing
 from ..spaces.resolution import warn_of_short_increment
 from .stress_intensity import is_closed
 from .tip_fields import TipFrame, distance_along
+
+logger = logging.getLogger(__name__)
 
 ENDS = ("start", "end")
 GROWS, WAITS = "grows", "waits: it grows less than half an increment"
@@ -152,9 +154,9 @@ class CrackGrowth:
         """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
         check_whole(steps, "CrackGrowth: steps", 0)
         for number in range(steps):
-            with doing(f"crack growth, step {number + 1} of at most {steps}"):
-                if not any(row.state == GROWS or row.state == WAITS for row in self.Step()):
-                    break
+            logger.info("crack growth, step %d of at most %d", number + 1, steps)
+            if not any(row.state == GROWS or row.state == WAITS for row in self.Step()):
+                break
         return self.table
 
     def Step(self):

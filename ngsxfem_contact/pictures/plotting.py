@@ -1,5 +1,6 @@
 """Pictures and VTK with the crack open and sharp, on the split mesh."""
 
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +9,10 @@ from ngsolve import CF, VTKOutput
 from ..arguments import check_number, check_positive
 from ..files import write_whole
 from ..operators import Minus, Plus
-from ..progress import doing
 from ..spaces.unknowns import Unknowns
 from .split_mesh import SplitMesh, mesh_arrays
+
+logger = logging.getLogger(__name__)
 
 LIPS = {1: ("plus lip", "tab:red"), -1: ("minus lip", "tab:blue")}
 
@@ -188,10 +190,10 @@ def animate(solutions, path, titles, scale=None, seconds=0.5):
     def write(temporary):
         with PillowWriter(fps=1 / seconds).saving(figure, temporary, dpi=80) as frames:
             for number, (solution, title) in enumerate(zip(solutions, titles)):
-                with doing(f"picture {number + 1} of {len(solutions)} of {Path(path).name}"):
-                    figure.clear()
-                    plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
-                    frames.grab_frame()
+                logger.info("picture %d of %d of %s", number + 1, len(solutions), Path(path).name)
+                figure.clear()
+                plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
+                frames.grab_frame()
 
     try:
         return str(write_whole(Path(path), write))
