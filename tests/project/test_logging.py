@@ -66,7 +66,7 @@ def test_silent_by_default():
 @pytest.mark.parametrize("options, silent", [([], False), (["--quiet"], True)])
 def test_the_command_says_what_it_does(options, silent, tmp_path, capsys):
     threads = threading.active_count()
-    assert cli.main(["--h", "0.2", "--no-figures", "--output", str(tmp_path), *options]) == 0
+    assert cli.main(["--maxh", "0.2", "--no-figures", "--output", str(tmp_path), *options]) == 0
     out, err = capsys.readouterr()
     assert ("solving for" in out) is ("assembling" in out) is not silent and err == ""
     logger = logging.getLogger("ngsxfem_contact")
