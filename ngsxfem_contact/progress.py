@@ -5,16 +5,22 @@ progress.say = None      # silent
 progress.say = print     # to the standard output instead of the standard error
 """
 
+from __future__ import annotations
+
 import sys
 from collections.abc import Callable
 from contextlib import contextmanager
 from threading import Event, Thread
 from time import perf_counter
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 PATIENCE = 2.0  # seconds, before the first line and between two lines
 
 
-def to_stderr(line):
+def to_stderr(line: str) -> None:
     """Prints a line beside the results of a script."""
     print(line, file=sys.stderr, flush=True)
 
@@ -23,14 +29,14 @@ say: Callable[[str], object] | None = to_stderr
 _doing: list[str] = []
 
 
-def tell(line):
+def tell(line: str) -> None:
     """Says a line now, unless `say` is None."""
     if say is not None:
         say(line)
 
 
 @contextmanager
-def doing(what):
+def doing(what: str) -> Iterator[None]:
     """Names what the block does: said if it, or the work that it is a part of, takes more than PATIENCE seconds."""
     finished = Event()
     _doing.append(what)
@@ -43,7 +49,7 @@ def doing(what):
         finished.set()
 
 
-def _watch(finished):
+def _watch(finished: Event) -> None:
     start, last = perf_counter(), ""
     while not finished.wait(PATIENCE):
         line = ": ".join(_doing)
