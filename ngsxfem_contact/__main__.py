@@ -1,9 +1,12 @@
 """The command line: `python -m ngsxfem_contact part.toml` solves a part, docs/job.md; without a file the test of the paper."""
 
+from __future__ import annotations
+
 import argparse
 import io
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ngsolve import TaskManager, ngsglobals
 
@@ -14,8 +17,11 @@ from .job.part import EXAMPLE, read_part
 from .job.results import numbers_of, summary, write_results
 from .job.table import RefusedPart
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
 
-def parse(arguments):
+
+def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """The options of a command line; ends with a message where one makes no sense."""
     parser = argparse.ArgumentParser(
         prog="python -m ngsxfem_contact",
@@ -31,7 +37,7 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def can_draw():
+def can_draw() -> bool:
     """Whether there is matplotlib; says so if there is none."""
     try:
         import matplotlib
@@ -42,7 +48,7 @@ def can_draw():
     return True
 
 
-def run(options):
+def run(options: argparse.Namespace) -> None:
     """Solves, writes, and says so."""
     progress.tell(f"reading {options.file} ...")
     with TaskManager():
@@ -60,14 +66,14 @@ def run(options):
     print(f"wrote {', '.join(Path(path).name for path in written)} to {folder.resolve()}")
 
 
-def say_what_can_be_said():
+def say_what_can_be_said() -> None:
     """Characters that a terminal lacks (γ, ²) become question marks, no errors."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
 
 
-def ending_well(job):
+def ending_well(job: Callable[[], None]) -> int:
     """Calls a job; the exit code: 0, 1 without an answer, 2 for a part's file that is refused, 130 after Ctrl-C."""
     say_what_can_be_said()
     try:
@@ -84,7 +90,7 @@ def ending_well(job):
         return 130
 
 
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command line; returns its exit code."""
     ngsglobals.msg_level = 0
     options = parse(arguments)
