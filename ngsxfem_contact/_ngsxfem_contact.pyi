@@ -44,19 +44,32 @@ __all__: list[str] = [
     "Variation",
 ]
 
+class _Enumeration:
+    """What all enumerations have, for the reader of types: each derives from object."""
+
+    __members__: typing.ClassVar[dict[str, typing.Any]]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     """
     A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).
     """
 
     def Points(
-        self, order: int, space: ngsolve.comp.FESpace = None
+        self, order: int, space: ngsolve.comp.FESpace | None = None
     ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
         Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.
         """
 
-    def PrepareRules(self, order: int, space: ngsolve.comp.FESpace = None) -> None:
+    def PrepareRules(self, order: int, space: ngsolve.comp.FESpace | None = None) -> None:
         """
         Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form.
         """
@@ -68,7 +81,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         definedonelements: pyngcore.pyngcore.BitArray | None = None,
         crack: int | None = None,
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
-        space: ngsolve.comp.FESpace = None,
+        space: ngsolve.comp.FESpace | None = None,
     ) -> CutDifferentialSymbol:
         """
         The same measure, restricted or refined.
@@ -81,7 +94,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
 
-class Side:
+class Side(_Enumeration):
     """
     The side of a crack: Plus to the left of its direction of travel, Minus to the right.
 
@@ -94,15 +107,6 @@ class Side:
 
     Minus: typing.ClassVar[Side]
     Plus: typing.ClassVar[Side]
-    __members__: typing.ClassVar[dict[str, Side]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class Crack:
     """
@@ -127,7 +131,9 @@ class Crack:
         """
 
     @staticmethod
-    def Curve(function, t0, t1, tolerance=1e-07, max_pieces=4096):
+    def Curve(
+        function: collections.abc.Callable[[float], collections.abc.Sequence[float]], t0: float, t1: float, tolerance: float = 1e-07, max_pieces: int = 4096
+    ) -> Crack:
         """
         The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
@@ -139,13 +145,19 @@ class Crack:
         """
 
     @staticmethod
-    def Join(*args) -> Crack:
+    def Join(*cracks: Crack) -> Crack:
         """
         Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.
         """
 
     @staticmethod
-    def LevelSet(mesh, phi, psi=None, tolerance=None, max_points=4096):
+    def LevelSet(
+        mesh: ngsolve.comp.Mesh,
+        phi: ngsolve.fem.CoefficientFunction,
+        psi: ngsolve.fem.CoefficientFunction | None = None,
+        tolerance: float | None = None,
+        max_points: int = 4096,
+    ) -> Crack:
         """
         The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
@@ -165,7 +177,7 @@ class Crack:
         """
 
     @staticmethod
-    def Spline(points, ends="not-a-knot"):
+    def Spline(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray, ends: str = "not-a-knot") -> Crack:
         """
         The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
 
@@ -240,7 +252,7 @@ class Crack:
         H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.
         """
 
-class ElementKind:
+class ElementKind(_Enumeration):
     """
     How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.
 
@@ -259,15 +271,6 @@ class ElementKind:
     Cut: typing.ClassVar[ElementKind]
     Tip: typing.ClassVar[ElementKind]
     Uncut: typing.ClassVar[ElementKind]
-    __members__: typing.ClassVar[dict[str, ElementKind]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class Degeneracy:
     """
@@ -433,7 +436,7 @@ class ElementPart:
         With respect to each of the element's cracks.
         """
 
-class EndKind:
+class EndKind(_Enumeration):
     """
     An end of a crack: a Tip inside the body or a Mouth on its boundary.
 
@@ -446,15 +449,6 @@ class EndKind:
 
     Mouth: typing.ClassVar[EndKind]
     Tip: typing.ClassVar[EndKind]
-    __members__: typing.ClassVar[dict[str, EndKind]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class CrackEnd:
     """
@@ -586,7 +580,7 @@ class CrackedMesh:
         Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).
         """
 
-    def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple:
+    def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
         (elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.
         """
@@ -596,7 +590,7 @@ class CrackedMesh:
         The ElementParts into which the cracks divide an element; none if no crack meets it.
         """
 
-    def __init__(self, mesh: ngsolve.comp.Mesh, *args) -> None: ...
+    def __init__(self, mesh: ngsolve.comp.Mesh, *cracks: Crack) -> None: ...
     @property
     def crack_number(self) -> ngsolve.fem.CoefficientFunction:
         """
@@ -669,7 +663,7 @@ class CrackedMesh:
         The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.
         """
 
-class CutOff:
+class CutOff(_Enumeration):
     """
     The cut-off χ of the tip functions: cubic is C¹, quintic C².
 
@@ -680,19 +674,10 @@ class CutOff:
       quintic
     """
 
-    __members__: typing.ClassVar[dict[str, CutOff]]
     cubic: typing.ClassVar[CutOff]
     quintic: typing.ClassVar[CutOff]
 
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
-
-class TipBasis:
+class TipBasis(_Enumeration):
     """
     The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.
 
@@ -703,17 +688,8 @@ class TipBasis:
       modes
     """
 
-    __members__: typing.ClassVar[dict[str, TipBasis]]
     branch: typing.ClassVar[TipBasis]
     modes: typing.ClassVar[TipBasis]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class TipSpec:
     """
@@ -798,7 +774,7 @@ class CrackFESpace(ngsolve.comp.FESpace):
         The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.
         """
 
-    def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **kwargs) -> None: ...
+    def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **flags: typing.Any) -> None: ...
     @property
     def body(self) -> CrackedMesh:
         """
@@ -835,7 +811,7 @@ class CrackBilinearForm(ngsolve.comp.BilinearForm):
     the same matrix, assembled faster. Flags as for BilinearForm, but for those that choose another storage.
     """
 
-    def __init__(self, space: CrackFESpace, name: str = "crack_form", **kwargs) -> None: ...
+    def __init__(self, space: CrackFESpace, name: str = "crack_form", **flags: typing.Any) -> None: ...
 
 class TraceSpace(ngsolve.comp.FESpace):
     """
@@ -906,7 +882,7 @@ class MeshTraceBasis(TraceBasis):
         self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
 
-class Domain:
+class Domain(_Enumeration):
     """
     What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.
 
@@ -922,15 +898,6 @@ class Domain:
     Bulk: typing.ClassVar[Domain]
     Crack: typing.ClassVar[Domain]
     Larger: typing.ClassVar[Domain]
-    __members__: typing.ClassVar[dict[str, Domain]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class FormTerm:
     """
@@ -1010,7 +977,7 @@ def BorderedMatrix(
     first: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     row: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-) -> tuple:
+) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
     """
     Upper triangle of [A, K^T; K, 0], A on the inner unknowns, in CSR format: (first, column, value). K in CSC format.
     """
