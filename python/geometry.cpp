@@ -145,7 +145,7 @@ static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<
       ArcLengthOn(crack, s);
       auto & location = body.Location(c).At(s);
       ElementMap map(*body.GetMesh(), location.element);
-      Point reference = map.Reference(map.Inverse(crack.PointAt(s)).value());
+      auto reference = map.PhysicalInReference(crack.PointAt(s), 0);
       elements.push_back(location.element);
       xi.push_back(reference(0));
       eta.push_back(reference(1));

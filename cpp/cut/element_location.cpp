@@ -25,13 +25,6 @@ namespace ngsxfem_contact
                         + " is not a triangle; generate the mesh without quads (quad_dominated=False)");
   }
 
-  bool IsInterface (const MeshAccess & mesh, size_t bnd_element)
-  {
-    ngcore::Array<int> neighbours;
-    mesh.GetEdgeElements(mesh.GetElement(ElementId(BND, bnd_element)).Edges()[0], neighbours);
-    return neighbours.Size() > 1;
-  }
-
   CrackLocation :: CrackLocation (const MeshAccess & amesh, const Crack & acrack)
     : mesh(amesh), crack(acrack)
   {

@@ -108,6 +108,4 @@ namespace ngsxfem_contact
 
   /// Throws for a mesh that is not plane or has other elements than triangles.
   void CheckTriangles (const MeshAccess & mesh);
-  /// Whether a boundary element of the mesh lies between two elements.
-  bool IsInterface (const MeshAccess & mesh, size_t bnd_element);
 }

@@ -10,6 +10,13 @@ namespace ngsxfem_contact
     return { mesh.GetPoint<2>(vertices[0]), mesh.GetPoint<2>(vertices[1]), mesh.GetPoint<2>(vertices[2]) };
   }
 
+  bool IsInterface (const MeshAccess & mesh, size_t bnd_element)
+  {
+    ngcore::Array<int> neighbours;
+    mesh.GetEdgeElements(mesh.GetElement(ElementId(ngfem::BND, bnd_element)).Edges()[0], neighbours);
+    return neighbours.Size() > 1;
+  }
+
   ElementMap :: ElementMap (const MeshAccess & amesh, size_t aelement)
     : mesh(amesh), element(aelement), t(VerticesOf(mesh, element)), curved(mesh.GetElement(ElementId(VOL, element)).is_curved) { }
 
@@ -64,5 +71,31 @@ namespace ngsxfem_contact
         last = step;
       }
     return std::nullopt;
+  }
+
+  ngfem::IntegrationPoint ElementMap :: InReference (Point p, double weight) const
+  {
+    Point reference = Reference(p);
+    return ngfem::IntegrationPoint(reference(0), reference(1), 0, weight/(2*Area(t)));
+  }
+
+  ngfem::IntegrationPoint ElementMap :: PhysicalInReference (Point x, double weight) const
+  {
+    Point p = Inverse(x).value();
+    auto [value, d0, d1] = At(p);
+    return InReference(p, weight/Cross(d0, d1));
+  }
+
+  EdgeMap :: EdgeMap (const MeshAccess & mesh, size_t bnd_element)
+  {
+    auto v = mesh.GetElement(ElementId(ngfem::BND, bnd_element)).Vertices();
+    a = mesh.GetPoint<2>(v[1]);
+    b = mesh.GetPoint<2>(v[0]);
+  }
+
+  ngfem::IntegrationPoint EdgeMap :: InReference (Point p, double weight) const
+  {
+    Point ab = b-a;
+    return ngfem::IntegrationPoint(Dot(Point(p-a), ab)/Dot(ab, ab), 0, 0, weight/Length());
   }
 }

@@ -42,12 +42,23 @@ namespace ngsxfem_contact
       { return vb == BND ? BoundaryTable() : kind.domain == Domain::Crack ? CrackTable() : VolumeTable(); }
 
     private:
-      std::vector<const TipQuadrature*> TipsNear (const Triangle & t) const
+      using Tips = std::vector<const TipQuadrature*>;
+
+      /// Those whose disks meet a triangle, or an element of the mesh.
+      template <typename... PLACE>
+      Tips TipsNear (const PLACE & ... place) const
       {
-        std::vector<const TipQuadrature*> near;
+        Tips near;
         for (auto & tip : tips)
-          if (MeetsDisk(t, tip.tip, tip.Radius())) near.push_back(&tip);
+          if (tip.Disk().Meets(place...)) near.push_back(&tip);
         return near;
+      }
+
+      /// nullptr if there is none.
+      static const TipQuadrature * Nearest (const Tips & some, Point p)
+      {
+        auto nearest = std::ranges::min_element(some, {}, [p] (auto tip) { return Norm(Point(tip->tip-p)); });
+        return nearest == some.end() ? nullptr : *nearest;
       }
 
       /// Disks reach at most half the way to other tips: divided along the bisectors, each part meets one disk at most.
@@ -70,9 +81,8 @@ namespace ngsxfem_contact
             }
         for (auto & polygon : polygons)
           for (auto & t : Fan(polygon))
-            if (auto tip = TipsNear(t); tip.empty()) AppendTriangle(t, order, rule);
-            else AppendTriangleNearTip(t, order, **std::min_element(tip.begin(), tip.end(), [&] (auto p, auto q)
-              { return Norm(Point(p->tip-Centre(polygon))) < Norm(Point(q->tip-Centre(polygon))); }), rule);
+            if (auto tip = Nearest(TipsNear(t), Centre(polygon))) AppendTriangleNearTip(t, order, *tip, rule);
+            else AppendTriangle(t, order, rule);
       }
 
       /// Halved where it meets two disks; then the disk nearer to the crack's part decides.
@@ -89,20 +99,14 @@ namespace ngsxfem_contact
             AppendCurvedPart({ { apex, m, piece.triangle[2] }, piece.side, Chord { segment, middle, s1 } }, crack, rule, depth-1);
           }
         else
-          AppendConeNearTip(piece, crack, order, **std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
-            { return Norm(Point(p->tip-m)) < Norm(Point(q->tip-m)); }), rule);
+          AppendConeNearTip(piece, crack, order, *Nearest(near, m), rule);
       }
 
-      /// points: in the straight triangle of the element.
-      std::unique_ptr<ElementRule> MakeRule (const PointRule & points, const ElementMap & map) const
+      template <typename F>
+      static std::unique_ptr<ElementRule> MakeRule (const PointRule & points, F && in_reference)
       {
-        double det = 2*Area(map.Corners());
         IntegrationRule ir;
-        for (auto & [p, weight] : points)
-          {
-            Point reference = map.Reference(p);
-            ir.Append(IntegrationPoint(reference(0), reference(1), 0, weight/det));
-          }
+        for (auto & [p, weight] : points) ir.Append(in_reference(p, weight));
         ir.SetDim(2);
         return std::make_unique<ElementRule>(std::move(ir));
       }
@@ -140,7 +144,7 @@ namespace ngsxfem_contact
           }
         else
           AppendPart(map.Corners(), points);
-        return MakeRule(points, map);
+        return MakeRule(points, [&] (Point p, double weight) { return map.InReference(p, weight); });
       }
 
       shared_ptr<RuleTable> VolumeTable () const
@@ -178,10 +182,8 @@ namespace ngsxfem_contact
             for (size_t i = 0; i+1 < cuts.size(); i++)
               {
                 auto at = [&] (double s) { return crack.PointAt(chord.segment, s); };
-                Point a = at(cuts[i]), b = at(cuts[i+1]), middle = Lerp(a, b, 0.5);
-                auto nearest = std::min_element(near.begin(), near.end(), [&] (auto p, auto q)
-                { return Norm(Point(p->tip-middle)) < Norm(Point(q->tip-middle)); });
-                auto tip = nearest == near.end() ? nullptr : *nearest;
+                Point a = at(cuts[i]), b = at(cuts[i+1]);
+                auto tip = Nearest(near, Lerp(a, b, 0.5));
                 if (crack.IsStraight(chord.segment)) AppendSegment(a, b, order, tip, location.h, rule);
                 else AppendCurve(crack, { chord.segment, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
               }
@@ -201,49 +203,19 @@ namespace ngsxfem_contact
             for (auto & here : cut.cracks)
               if (!kind.crack || *kind.crack == here.crack)
                 maker.AppendCrack(*here.location, body.GetCrack(here.crack), here.crack < nodes.size() ? nodes[here.crack] : std::vector<double>(), points);
-            if (map.IsCurved()) Straighten(points, map);
-            table->Add(element, MakeRule(points, map));
+            table->Add(element, MakeRule(points, [&] (Point x, double weight) { return map.PhysicalInReference(x, weight); }));
           }
         return table;
       }
 
-      /// Points on Γ_C in the straight triangle, with weights for NGSolve, which multiplies by the Jacobian there.
-      static void Straighten (PointRule & points, const ElementMap & map)
-      {
-        for (auto & [p, weight] : points)
-          {
-            p = map.Inverse(p).value();
-            auto [value, d0, d1] = map.At(p);
-            weight /= Cross(d0, d1);
-          }
-      }
-
-      std::vector<const TipQuadrature*> TipsNearEdge (size_t element) const
-      {
-        auto v = mesh.GetElement(ElementId(BND, element)).Vertices();
-        std::vector<const TipQuadrature*> near;
-        for (auto & tip : tips)
-          if (Distance(tip.tip, mesh.GetPoint<2>(v[0]), mesh.GetPoint<2>(v[1])) < (1-1e-9)*tip.Radius() && IsInterface(mesh, element)) near.push_back(&tip);
-        return near;
-      }
-
-      /// The part of an edge from p to q, that lies in disks of tips: in that of the nearest.
-      void AppendEdge (Point p, Point q, const std::vector<const TipQuadrature*> & near, PointRule & points) const
-      {
-        Point middle = Lerp(p, q, 0.5);
-        AppendSegmentBesideTip(p, q, order, **std::min_element(near.begin(), near.end(), [&] (auto s, auto t)
-          { return Norm(Point(s->tip-middle)) < Norm(Point(t->tip-middle)); }), points);
-      }
-
-      /// cuts: where cracks cross the edge, on the reference segment, which runs from the second vertex (0) to the first (1).
+      /// cuts: where cracks cross the edge, on the reference segment.
       std::unique_ptr<ElementRule> BoundaryRule (size_t element, std::vector<double> cuts) const
       {
-        auto v = mesh.GetElement(ElementId(BND, element)).Vertices();
-        Point a = mesh.GetPoint<2>(v[1]), ab = mesh.GetPoint<2>(v[0])-a;
-        auto near = TipsNearEdge(element);
+        EdgeMap edge(mesh, element);
+        auto near = TipsNear(mesh, ElementId(BND, element));
         for (auto tip : near)                             // divided half-way between two tips
           for (auto other : near)
-            if (double x = Dot(Point(Lerp(tip->tip, other->tip, 0.5)-a), Point(other->tip-tip->tip)) / Dot(ab, Point(other->tip-tip->tip)); x > 0 && x < 1)
+            if (double x = edge.Crossing(Lerp(tip->tip, other->tip, 0.5), Point(other->tip-tip->tip)); x > 0 && x < 1)
               cuts.push_back(x);
         cuts.insert(cuts.end(), { 0, 1 });
         std::sort(cuts.begin(), cuts.end());
@@ -252,9 +224,9 @@ namespace ngsxfem_contact
           {
             double x0 = cuts[i], length = cuts[i+1]-x0;
             PointRule points;
-            if (!near.empty() && length > 0) AppendEdge(Point(a+x0*ab), Point(a+cuts[i+1]*ab), near, points);
-            for (auto & [x, weight] : points)
-              ir.Append(IntegrationPoint(Dot(Point(x-a), ab)/Dot(ab, ab), 0, 0, weight/Norm(ab)));
+            Point p = edge.Value(x0), q = edge.Value(cuts[i+1]);
+            if (auto tip = Nearest(near, Lerp(p, q, 0.5)); tip && length > 0) AppendSegmentBesideTip(p, q, order, *tip, points);
+            for (auto & [x, weight] : points) ir.Append(edge.InReference(x, weight));
             if (near.empty())
               for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, order))
                 ir.Append(IntegrationPoint(x0+length*ip(0), 0, 0, length*ip.Weight()));
@@ -269,7 +241,7 @@ namespace ngsxfem_contact
         for (size_t c = 0; c < body.NumCracks(); c++)
           for (auto & [element, edge] : body.Location(c).BoundaryEdges()) cuts[element].push_back(1-edge.along);
         for (size_t element = 0; !tips.empty() && element < mesh.GetNE(BND); element++)
-          if (!TipsNearEdge(element).empty()) cuts[element];
+          if (!TipsNear(mesh, ElementId(BND, element)).empty()) cuts[element];
         auto table = make_shared<RuleTable>(mesh.GetNE(BND));
         for (auto & [element, on_edge] : cuts) table->Add(element, BoundaryRule(element, on_edge));
         return table;

@@ -182,16 +182,11 @@ namespace ngsxfem_contact
         std::sort(radii.begin(), radii.end());
         double c = cos(angle), s = sign*sin(angle);
         for (size_t i = 0; i+1 < radii.size(); i += 2)
-          {
-            auto bounds = Breakpoints(radii[i], radii[i+1], tip.breaks);
-            for (size_t k = 0; k+1 < bounds.size(); k++)
-              Gauss(sqrt(bounds[k]), sqrt(bounds[k+1]), n_radial, [&] (double root, double w)
-              {
-                double r = root*root;                          // r dr = 2 root³ droot
-                Point b = Behind(r);
-                rule.push_back({ Point(tip.tip + r*(c*b + s*Left(b))), weight*w*2*root*r });
-              });
-          }
+            GaussInRoot(radii[i], radii[i+1], tip.breaks, n_radial, [&] (double r, double dr)
+            {
+              Point b = Behind(r);
+              rule.push_back({ Point(tip.tip + r*(c*b + s*Left(b))), weight*dr*r });
+            });
       }
     };
   }
@@ -224,12 +219,10 @@ namespace ngsxfem_contact
     auto [from, to] = std::minmax({ distance(chord.s0), distance(chord.s1) });
     auto breaks = tip->breaks;
     breaks.insert(break_distance);
-    auto radii = Breakpoints(from <= 1e-12*to ? 0 : from, to, breaks);
-    for (size_t i = 0; i+1 < radii.size(); i++)
-      Gauss(sqrt(radii[i]), sqrt(radii[i+1]), tip->RadialPoints(order), [&] (double root, double w)
-      {
-        auto [p, ds] = tip->curve.Behind(root*root);
-        rule.push_back({ p, w*2*root*ds });
-      });
+    GaussInRoot(from <= 1e-12*to ? 0 : from, to, breaks, tip->RadialPoints(order), [&] (double r, double dr)
+    {
+      auto [p, ds] = tip->curve.Behind(r);
+      rule.push_back({ p, dr*ds });
+    });
   }
 }

@@ -105,13 +105,7 @@ namespace ngsxfem_contact
         double from = inner ? inner->Radius(theta, reach) : 0, to = outer.Radius(theta, reach);
         if (!(to > from)) return;
         Point direction(cos(theta), sin(theta));
-        auto radii = Breakpoints(from, to, tip.breaks);
-        for (size_t i = 0; i+1 < radii.size(); i++)
-          Gauss(sqrt(radii[i]), sqrt(radii[i+1]), n_radial, [&] (double s, double ws)
-          {
-            double r = s*s;                            // r dr = 2 s³ ds
-            rule.push_back({ Point(tip.tip + r*direction), w*ws*2*s*r });
-          });
+        GaussInRoot(from, to, tip.breaks, n_radial, [&] (double r, double dr) { rule.push_back({ Point(tip.tip + r*direction), w*dr*r }); });
       }
     };
 
@@ -167,22 +161,8 @@ namespace ngsxfem_contact
     bool Crosses (const Triangle & t, Point p, double r)
     {
       double farthest = std::max({ Norm(Point(t[0]-p)), Norm(Point(t[1]-p)), Norm(Point(t[2]-p)) });
-      return farthest > r && DistanceToTriangle(p, t) < r;
+      return farthest > r && Distance(p, t) < r;
     }
-  }
-
-  double DistanceToTriangle (Point p, const Triangle & t)
-  {
-    auto side = [&] (int i) { return Cross(Point(t[(i+1)%3]-t[i]), Point(p-t[i])); };
-    if ((side(0) >= 0) == (side(1) >= 0) && (side(1) >= 0) == (side(2) >= 0)) return 0;
-    return std::min({ Distance(p, t[0], t[1]), Distance(p, t[1], t[2]), Distance(p, t[2], t[0]) });
-  }
-
-  bool MeetsDisk (const Triangle & t, Point p, double r)
-  {
-    double nearest = std::min({ Norm(Point(t[0]-p)), Norm(Point(t[1]-p)), Norm(Point(t[2]-p)) });
-    if (nearest < r) return true;
-    return nearest < r + LongestEdge(t) && DistanceToTriangle(p, t) < r;
   }
 
   int TipQuadrature :: RadialPoints (int order) const
@@ -207,17 +187,19 @@ namespace ngsxfem_contact
     return cbrt(6*r*h*h/(w*w*w)/tolerance) - 1;
   }
 
+  /// NGSolve's rule of order 2 has its points on the edges, hence on Γ_C, where a point has no side.
+  static int OffEdges (int order) { return order == 2 ? 3 : order; }
+
   void AppendTriangle (const Triangle & t, int order, PointRule & rule)
   {
     double jacobian = 2*Area(t);
-    // NGSolve's rule of order 2 has its points on the edges, hence on Γ_C, where a point has no side
-    for (auto & ip : SelectIntegrationRule(ngfem::ET_TRIG, order == 2 ? 3 : order))
+    for (auto & ip : SelectIntegrationRule(ngfem::ET_TRIG, OffEdges(order)))
       rule.push_back({ Point(ip(0)*t[0] + ip(1)*t[1] + (1-ip(0)-ip(1))*t[2]), ip.Weight()*jacobian });
   }
 
   std::optional<int> GaussOrder (const Triangle & t, int order, const TipQuadrature & tip)
   {
-    double h = LongestEdge(t), r = DistanceToTriangle(tip.tip, t), kink = 0;
+    double h = LongestEdge(t), r = Distance(tip.tip, t), kink = 0;
     if (r < 1.5*h) return std::nullopt;
     for (double radius : tip.breaks)
       if (Crosses(t, tip.tip, radius)) kink = std::max(kink, tip.KinkOrder(radius, h));
@@ -227,8 +209,7 @@ namespace ngsxfem_contact
     double z = 1 + 2*r/h, e = z + sqrt(z*z-1), scale = 1 + tip.AnnulusWidth(r)/h;
     double digits = -log(tip.tolerance);
     int extra = int(std::ceil(std::max(0.7*digits/log(e), std::min(10.0, 0.7*digits/log(scale)))));
-    int raised = std::min(std::max(order+extra, int(std::ceil(kink))), 24);
-    return raised == 2 ? 3 : raised;               // see AppendTriangle
+    return OffEdges(std::min(std::max(order+extra, int(std::ceil(kink))), 24));
   }
 
   void AppendTriangleNearTip (const Triangle & t, int order, const TipQuadrature & tip, PointRule & rule)
@@ -239,7 +220,7 @@ namespace ngsxfem_contact
         return;
       }
     double h = LongestEdge(t), snap = SnapDistance(t, tip);
-    if (DistanceToTriangle(tip.tip, t) > snap)
+    if (Distance(tip.tip, t) > snap)
       {
         AppendPolar(t, order, tip, rule);
         return;
@@ -274,10 +255,8 @@ namespace ngsxfem_contact
     auto breaks = tip->breaks;
     breaks.insert(break_distance);
     if (ra <= 1e-12*length) ra = 0;
-    auto radii = Breakpoints(ra, rb, breaks);
-    for (size_t i = 0; i+1 < radii.size(); i++)
-      Gauss(sqrt(radii[i]), sqrt(radii[i+1]), tip->RadialPoints(order), [&] (double s, double w)
-      { rule.push_back({ Point(a + (s*s-ra)/(rb-ra)*d), w*2*s*length/(rb-ra) }); });
+    GaussInRoot(ra, rb, breaks, tip->RadialPoints(order), [&] (double r, double dr)
+    { rule.push_back({ Point(a + (r-ra)/(rb-ra)*d), dr*length/(rb-ra) }); });
   }
 
   namespace

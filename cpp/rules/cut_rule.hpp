@@ -2,7 +2,7 @@
 // Points and weights on T∩Ω⁺, T∩Ω⁻, T∩Γ_C and on cut boundary edges, graded to the √r singularity of a tip.
 // Geometry in, weighted physical points out; all weights are positive.
 
-#include "cut/element_division.hpp"
+#include "cut/disk.hpp"
 #include "curve/tip_curve.hpp"
 #include <fem.hpp>
 #include <set>
@@ -23,6 +23,7 @@ namespace ngsxfem_contact
     int smoothness = 1;            // continuous derivatives of χ
 
     double Radius () const { return *breaks.rbegin(); }
+    ngsxfem_contact::Disk Disk () const { return { tip, Radius() }; }
     /// Between the two breaks around r: the scale on which χ varies there.
     double AnnulusWidth (double r) const;
     /// The order of Gauss that integrates over a kink at the radius r in a triangle of size h; large if h is.
@@ -42,6 +43,15 @@ namespace ngsxfem_contact
   /// a, the breaks between, b.
   std::vector<double> Breakpoints (double a, double b, const std::set<double> & breaks);
 
+  /// Gauss-Legendre in √r on [a, b], n points between two breaks: visit(r, weight of dr), exact for polynomials in √r of degree 2n-2.
+  template <typename F>
+  void GaussInRoot (double a, double b, const std::set<double> & breaks, int n, F && visit)
+  {
+    auto radii = Breakpoints(a, b, breaks);
+    for (size_t i = 0; i+1 < radii.size(); i++)
+      Gauss(sqrt(radii[i]), sqrt(radii[i+1]), n, [&] (double root, double weight) { visit(root*root, 2*root*weight); });
+  }
+
   /// Plain Gauss rule of the given order on one triangle.
   void AppendTriangle (const Triangle & t, int order, PointRule & rule);
 
@@ -57,8 +67,4 @@ namespace ngsxfem_contact
 
   /// Gauss on a segment in the disk of a tip that is no part of Γ_C: divided at the breaks and towards the tip, in √r if the tip is on its line.
   void AppendSegmentBesideTip (Point a, Point b, int order, const TipQuadrature & tip, PointRule & rule);
-
-  double DistanceToTriangle (Point p, const Triangle & t);
-  /// Whether the distance of p to t is less than r.
-  bool MeetsDisk (const Triangle & t, Point p, double r);
 }

@@ -253,7 +253,7 @@ namespace ngsxfem_contact
       if (tips[t])
         {
           for (size_t i = 0; i < ma->GetNE(VOL); i++)
-            if (MeetsDisk(VerticesOf(*ma, i), tips[t]->Tip(), tips[t]->Spec().r1)) AddTip(ElementId(VOL, i), t);
+            if (tips[t]->Disk().Meets(*ma, ElementId(VOL, i))) AddTip(ElementId(VOL, i), t);
           AddToInterfaces(t);
         }
   }
@@ -269,23 +269,23 @@ namespace ngsxfem_contact
   /// ∂Ω is outside of all disks, inner interfaces need not be.
   void CrackFESpace :: AddToInterfaces (size_t t)
   {
-    Point tip = tips[t]->Tip();
-    double r1 = tips[t]->Spec().r1, to_fixed = r1;
+    auto disk = tips[t]->Disk();
+    double to_fixed = disk.radius;
     string fixed;
     for (size_t i = 0; i < ma->GetNE(BND); i++)
       {
-        auto el = ma->GetElement(ElementId(BND, i));
-        double distance = Distance(tip, ma->GetPoint<2>(el.Vertices()[0]), ma->GetPoint<2>(el.Vertices()[1]));
-        if (distance >= (1-1e-9)*r1 || !IsInterface(*ma, i)) continue;
+        if (!disk.Meets(*ma, ElementId(BND, i))) continue;
         AddTip(ElementId(BND, i), t);
-        if ((held[0][el.GetIndex()] || held[1][el.GetIndex()]) && distance < to_fixed)
+        int region = ma->GetElement(ElementId(BND, i)).GetIndex();
+        double distance = EdgeMap(*ma, i).DistanceTo(disk.centre);
+        if ((held[0][region] || held[1][region]) && distance < to_fixed)
           {
             to_fixed = distance;
-            fixed = ma->GetMaterial(BND, el.GetIndex());
+            fixed = ma->GetMaterial(BND, region);
           }
       }
-    if (to_fixed < r1)
-      throw Exception("CrackFESpace: the fixed inner boundary '" + fixed + "' runs through the disk r1 = " + ngcore::ToString(r1) + " of the tip at " + ToString(tip)
+    if (to_fixed < disk.radius)
+      throw Exception("CrackFESpace: the fixed inner boundary '" + fixed + "' runs through the disk r1 = " + ngcore::ToString(disk.radius) + " of the tip at " + ToString(disk.centre)
                       + ", whose functions do not vanish on it; choose r1 below its distance " + ngcore::ToString(to_fixed) + ", or no functions at this tip (tip=None)");
   }
 

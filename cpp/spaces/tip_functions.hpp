@@ -1,6 +1,7 @@
 #pragma once
 // The singular functions at one tip, times the cut-off χ: (8) of [AHLMR12], or the two modes of docs/method.md, section 3.
 
+#include "cut/disk.hpp"
 #include "curve/tip_curve.hpp"
 #include <fem.hpp>
 
@@ -36,7 +37,8 @@ namespace ngsxfem_contact
 
     size_t Crack() const { return crack; }
     const TipSpec & Spec() const { return spec; }
-    Point Tip() const { return tip; }
+    /// Outside of it they vanish.
+    ngsxfem_contact::Disk Disk() const { return { tip, spec.r1 }; }
     int Size() const { return spec.basis == TipBasis::Modes ? 2 : 8; }
 
     /// χ F_j as vector fields with their gradients at p; T is double or SIMD<double>.
