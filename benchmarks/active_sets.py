@@ -9,6 +9,7 @@ import argparse
 
 import numpy as np
 from ngsolve import ngsglobals
+from results import recorded
 
 from ngsxfem_contact import TipEnrichment
 from ngsxfem_contact.contact.solver import ReducedProblem
@@ -44,4 +45,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -7,6 +7,7 @@ import argparse
 
 import numpy as np
 from ngsolve import TaskManager, ngsglobals
+from results import recorded
 from scipy.optimize import brentq
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
@@ -118,4 +119,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from ngsolve import BilinearForm, Grad, InnerProduct, Sym, VectorH1, dx, ngsglobals
+from results import recorded
 from scipy.linalg import eigh
 
 from ngsxfem_contact import BarbosaHughes, Crack, CrackedMesh, CrackFESpace, Strain, TipEnrichment
@@ -205,4 +206,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

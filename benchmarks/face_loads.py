@@ -6,6 +6,7 @@ python benchmarks/face_loads.py
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, IfPos, Integrate, Mesh, SetNumThreads, specialcf, sqrt, x, y
+from results import recorded
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, NormalGap, TraceSpace
 from ngsxfem_contact.exact import fracture_solutions as fs
@@ -82,4 +83,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -11,6 +11,7 @@ import argparse
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, ngsglobals, x
+from results import recorded
 
 from ngsxfem_contact import (
     ContactProblem,
@@ -206,4 +207,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -8,6 +8,7 @@ import argparse
 import numpy as np
 from closed_forms import report
 from ngsolve import TaskManager, ngsglobals
+from results import recorded
 
 from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, FixedPoint, Nitsche, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.exact import closed_forms as cf
@@ -96,4 +97,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -9,6 +9,7 @@ from math import cos, hypot, pi, radians, sin, sqrt
 
 from netgen.occ import Axis, Circle, OCCGeometry, Rectangle, X, Y, Z
 from ngsolve import CF, Mesh, SetNumThreads, specialcf
+from results import recorded
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 
@@ -55,4 +56,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

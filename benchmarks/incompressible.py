@@ -8,6 +8,7 @@ from math import hypot, pi, sqrt
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, SetNumThreads
+from results import recorded
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, SolveError, TraceSpace
 
@@ -53,4 +54,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

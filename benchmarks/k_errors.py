@@ -12,6 +12,7 @@ import numpy as np
 from closed_forms import ARC, arc_body
 from fracture import PLATES, rectangle
 from ngsolve import CF, ngsglobals
+from results import recorded
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
@@ -104,4 +105,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

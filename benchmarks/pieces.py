@@ -8,6 +8,7 @@ from math import cos, pi, sin
 
 from netgen.geom2d import unit_square
 from ngsolve import Mesh, SetNumThreads, x
+from results import recorded
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 
@@ -47,4 +48,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

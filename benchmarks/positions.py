@@ -26,6 +26,7 @@ from ngsxfem_contact.study.paper import MATERIAL, PAIRS
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import adversarial  # noqa: E402
 from bodies import boundary_segments, moved_square, random_crack, random_mesh, ray_to_boundary  # noqa: E402
+from results import recorded  # noqa: E402
 
 
 @dataclass
@@ -249,4 +250,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

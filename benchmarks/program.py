@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 
 from ngsolve import Mesh, TaskManager, ngsglobals
+from results import recorded
 
 from ngsxfem_contact import BarbosaHughes
 from ngsxfem_contact.study.paper import MATERIAL, paper_problem
@@ -40,4 +41,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

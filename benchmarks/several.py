@@ -10,6 +10,7 @@ from collections import Counter
 import numpy as np
 from bodies import boundary_segments, random_crack, random_mesh, ray_to_boundary
 from ngsolve import CF, ngsglobals, sin, x, y
+from results import recorded
 
 from ngsxfem_contact import Coercivity, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
@@ -83,4 +84,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -6,6 +6,7 @@ python benchmarks/shapes.py [--maxh 0.08 0.05 0.03] [--pairs P2/P1]
 import argparse
 
 import numpy as np
+from results import recorded
 
 from ngsxfem_contact.study.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem
 
@@ -43,4 +44,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -16,6 +16,7 @@ from statistics import median
 from time import perf_counter, process_time
 
 from ngsolve import BilinearForm, Grad, InnerProduct, LinearForm, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals
+from results import recorded
 
 from ngsxfem_contact import LoadSteps, TipEnrichment
 from ngsxfem_contact.study.paper import BODY_FORCE, MATERIAL, PAIRS, paper_problem, unstructured_mesh
@@ -114,4 +115,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -16,6 +16,7 @@ import platform
 import resource
 import subprocess
 import sys
+from itertools import product
 from statistics import median
 from tempfile import NamedTemporaryFile
 from time import perf_counter
@@ -35,6 +36,7 @@ from ngsolve import (
     dx,
     ngsglobals,
 )  # fmt: skip
+from results import recorded
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
 from ngsxfem_contact._ngsxfem_contact import CrackBilinearForm
@@ -252,6 +254,15 @@ def show(row):
     print(f"    space and rules / assembly {row['set-up / assembly']:.2f}   iterations {row['iterations']}", flush=True)
 
 
+SUMMARY = f"{'body':9}{'pair':7}{'threads':>8}{'triangles':>11}{'assembly of K':>17}{'whole contact solve':>21}{'space + rules / assembly':>26}"
+
+
+def summary(row):
+    """One line for a row: milliseconds, and in brackets the ratio to plain NGSolve."""
+    cells = [f"{1e3 * figure['seconds']:.0f} ({figure['ratio']:.2f})" for figure in (row["times"]["assembly"], row["times"]["whole solve"])]
+    return f"{row['body']:9}{row['pair']:7}{row['threads']:8}{row['triangles']:11}{cells[0]:>17}{cells[1]:>21}{row['set-up / assembly']:26.2f}"
+
+
 def arguments():
     """Of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -262,8 +273,17 @@ def arguments():
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--inverse", default="sparsecholesky")
     parser.add_argument("--json")
+    parser.add_argument("--summary", action="store_true", help="one line for each case, no memory, no GetFEM")
     parser.add_argument("--one-solve", choices=["contact", "plain"], help=argparse.SUPPRESS)
     return parser.parse_args()
+
+
+def summaries(args):
+    """A line for each case."""
+    print(SUMMARY)
+    for pair, body, threads in product(args.pairs, args.bodies, args.threads):
+        for size in args.sizes:
+            print(summary(measure(size, body, pair, threads, args.repeats, args.inverse)), flush=True)
 
 
 def main():
@@ -271,6 +291,8 @@ def main():
     ngsglobals.msg_level = 0
     if args.one_solve:
         return one_solve(args.one_solve, args.sizes[0], args.bodies[0], args.pairs[0], args.inverse)
+    if args.summary:
+        return summaries(args)
     result = {"machine": machine(), "cases": [], "memory": [], "getfem": []}
     for size in args.sizes:
         for pair in args.pairs:
@@ -290,4 +312,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

@@ -6,6 +6,7 @@ python benchmarks/tips.py [--h 0.088 0.057 0.03 0.016 0.008]
 import argparse
 
 from ngsolve import TaskManager, ngsglobals
+from results import recorded
 
 from ngsxfem_contact import BarbosaHughes, Coercivity, TipEnrichment
 from ngsxfem_contact.study.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
@@ -41,4 +42,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    recorded(main)

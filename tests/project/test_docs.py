@@ -1,11 +1,13 @@
 """What the documents claim about the package: names that exist, code that runs."""
 
+import importlib
 import inspect
 import re
-import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, IfPos, Mesh, specialcf, y
 
@@ -14,13 +16,14 @@ from ngsxfem_contact import BarbosaHughes, Coercivity, Coulomb, Tresca
 from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, pressure_error, rotated_square, uniform_compression, uniform_stress
 from ngsxfem_contact.study.paper import MATERIAL, paper_problem, unstructured_mesh
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
 PUBLIC = {name for name, value in vars(ngsxfem_contact).items() if not name.startswith("_") and not inspect.ismodule(value)}
 
 
 def test_the_reference_has_every_public_name():
     described = re.findall(r"::\s+ngsxfem_contact\.(\w+)$", (DOCS / "api.md").read_text(encoding="utf-8"), re.M)
-    assert sorted(set(described) - {"plotting"}) == sorted(PUBLIC)
+    assert sorted(described) == sorted(PUBLIC)
     assert len(described) == len(set(described))
 
 
@@ -152,19 +155,46 @@ def test_the_guide_runs(capsys):
     assert names["solution"].report.converged and names["growth"].table["state"][0] == "grows" and len(names["solutions"]) == 21
 
 
-def test_docstrings_become_paragraphs_items_and_code():
-    convert = runpy.run_path(str(DOCS / "docstrings.py"))["as_restructured_text"]
-    lines = [
-        "A number.",
-        "",
-        "n: of terms.    bonus_order: of",
-        "the rule, for what is no polynomial: more.",
-        "m: of others,",
-        "    and more.",
-        "A sentence.",
-        "",
-    ]
-    lines += ["    a = b + c", "    d = a*b", "", ">>> f(1)", "2"]
-    convert(None, "function", "f", None, None, lines)
-    items = ["| **n**: of terms.", "| **bonus\\_order**: of the rule, for what is no polynomial: more.", "| **m**: of others, and more.", "| A sentence."]
-    assert lines == ["A number.", "", *items, "", "::", "", "    a = b + c", "    d = a*b", "", ">>> f(1)", "2", ""]
+RESULTS = ROOT / "benchmarks" / "results"
+COMMAND = re.compile(r"# (?:python )?(benchmarks/\w+\.py|tools/coverage\.sh) (?:.* )?--results (\w+)\n# measured with .* on \d{4}-\d{2}-\d{2}\b.*\n")
+
+
+def test_every_table_of_what_was_measured_is_a_file():
+    """None in the page, each file once."""
+    page = (DOCS / "measured.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^```(.*)\n```$", page, re.M)
+    assert not re.search(r"^(\||    )", page, re.M) and page.count("```") == 2 * len(shown)
+    assert sorted(shown) == sorted(f"{{literalinclude}} ../benchmarks/results/{file.name}" for file in RESULTS.iterdir())
+
+
+@pytest.mark.parametrize("file", sorted(RESULTS.iterdir()), ids=lambda file: file.stem)
+def test_a_result_names_the_command_that_writes_it(file):
+    text = file.read_text(encoding="utf-8")
+    script, name = COMMAND.match(text).groups()
+    assert name == file.stem and len(text.splitlines()) > 2
+    source = (ROOT / script).read_text(encoding="utf-8")
+    assert source.endswith('if __name__ == "__main__":\n    recorded(main)\n') or '"${1-}" = --results' in source
+
+
+def test_a_script_keeps_what_it_prints(tmp_path, monkeypatch, capsys):
+    """Below the command; its own options are what is left, and nothing is written if it fails."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    recorded = importlib.import_module("results").recorded
+    seen = []
+    monkeypatch.setattr(sys, "argv", ["/somewhere/tips.py", "--h", "0.1", "--results", "tips"])
+    recorded(lambda: seen.extend(sys.argv[1:]) or print("γ  1.0"), tmp_path)
+    text = (tmp_path / "tips.txt").read_text(encoding="utf-8")
+    assert seen == ["--h", "0.1"] and capsys.readouterr().out == "γ  1.0\n"
+    assert COMMAND.match(text).groups() == ("benchmarks/tips.py", "tips") and text.startswith("# python benchmarks/tips.py --h 0.1 --results tips\n")
+    assert text.splitlines()[2:] == ["γ  1.0"]
+    monkeypatch.setattr(sys, "argv", ["tips.py", "--results", "other"])
+    with pytest.raises(ZeroDivisionError):
+        recorded(lambda: print(1 / 0), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["tips.txt"]
+
+
+def test_every_benchmark_is_listed_and_keeps_results():
+    listed = re.findall(r"^\| `(\w+\.py)` \|", (ROOT / "benchmarks" / "README.md").read_text(encoding="utf-8"), re.M)
+    scripts = {path.name for path in (ROOT / "benchmarks").glob("*.py") if "recorded(main)" in path.read_text(encoding="utf-8")} - {"results.py"}
+    assert sorted(listed) == sorted(scripts)
+    assert {path.name for path in (ROOT / "benchmarks").glob("*.py")} - scripts == {"adversarial.py", "bodies.py", "results.py"}
