@@ -55,7 +55,13 @@ class Stabilisation(Protocol):
         """Which one-sided stresses take part in R_h, "plus", "minus" or "larger" (of the larger part of each element), with their weights."""
 
     def Gamma(self, V: "CrackFESpace", material: "Isotropic", components: "Sequence[Component]") -> "CoefficientFunction | None":
-        """γ on the elements that the cracks meet, length over stress; None for none.    components: those of the traction that take part."""
+        """γ on the elements that the cracks meet, length over stress; None for none.
+
+        Parameters
+        ----------
+        components
+            Those of the traction that take part.
+        """
 
     def IsSafe(self, V: "CrackFESpace", material: "Isotropic", components: "Sequence[Component]") -> bool:
         """Whether K - K_γ is known to be positive; if not, and if the direct solver does not see it, its smallest eigenvalue is computed."""
@@ -95,10 +101,26 @@ class FaceLaw(Protocol):
         """Whether load steps hand the last solution on, from which slip is measured."""
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Any, cone: Cone, report: "Report", start: Any, max_iterations: int) -> np.ndarray:
-        """p.    start: nodes in contact at first, boolean.    The iterations, and the active set of each, go into the report."""
+        """p.
+
+        Parameters
+        ----------
+        start
+            Nodes in contact at first, boolean.
+
+        Notes
+        -----
+        The iterations, and the active set of each, go into the report.
+        """
 
     def Work(self, p: np.ndarray, w: np.ndarray, nodes: Any, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
-        """(what is dissipated in a step, how far it may be off).    before: p of the last step, or None."""
+        """(what is dissipated in a step, how far it may be off).
+
+        Parameters
+        ----------
+        before
+            p of the last step, or None.
+        """
 
     def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Any, cone: Cone) -> float:
         """The largest violation of the law, relative; p is divided by `scale`, its largest value, w by the largest displacement."""

@@ -36,10 +36,16 @@ class ActiveSetResult:
 def solve_active_set(Q: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, max_iterations: int = 100) -> ActiveSetResult:
     """Solves p ≤ 0, w = Qp + q ≤ 0, p·w = 0.
 
-    Q: (m, m), positive definite, in any scaling; r = 1/diag(Q).
-    start: first active set, boolean; default empty, see coarse_start.
+    Parameters
+    ----------
+    Q
+        (m, m), positive definite, in any scaling; r = 1/diag(Q).
+    start
+        First active set, boolean; default empty, see coarse_start.
+
+    Notes
+    -----
     If a set comes back (a cycle) a method that decreases the energy at every step takes over, see descend; without symmetry, box_path.
-    Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
     """
     r = 1 / np.diag(Q)
     active = np.zeros(len(q), dtype=bool) if start is None else np.array(start, dtype=bool)

@@ -17,8 +17,14 @@ if TYPE_CHECKING:
 class LoadCase:
     """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case.
 
-    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite, and for given displacements that contradict
-    each other.
+    Parameters
+    ----------
+    problem : ContactProblem
+
+    Raises
+    ------
+    ValueError
+        For a load or a given displacement that is not finite, and for given displacements that contradict each other.
     """
 
     def __init__(self, problem: "ContactProblem") -> None:
@@ -33,7 +39,15 @@ class LoadCase:
 class ReducedCase:
     """A load case eliminated: `reduced` is F + F_γ - A U_D as the crack feels it, g = E A⁻¹(F + F_γ - A U_D) + E U_D.
 
-    F, given (U_D), load, jumps: as in LoadCase.    given_traction: F_γ and G_γ, see `ContactSystem.Given`.
+    F, given (U_D), load, jumps: as in LoadCase.
+
+    Parameters
+    ----------
+    given_traction
+        F_γ and G_γ, see `ContactSystem.Given`.
+
+    Notes
+    -----
     The reduced cases of a problem can be added and multiplied by numbers.
     """
 

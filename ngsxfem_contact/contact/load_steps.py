@@ -18,9 +18,26 @@ logger = logging.getLogger(__name__)
 class LoadSteps:
     """Solves (38) for F(t) = Σ t_i F_i, with the displacements Σ t_i U_D,i given where the problem is held.
 
-    cases: LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap, the initial stress and
-    the temperature stay.
-    inverse: as for ContactProblem.Solve.
+    Parameters
+    ----------
+    problem : ContactProblem
+        What is loaded.
+    cases
+        LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap, the initial stress and the temperature
+        stay.
+    inverse
+        As for ContactProblem.Solve.
+
+    Notes
+    -----
+    Stiffness matrix, multipliers, held parts, the gap and the given stresses are those of the problem when LoadSteps is built. One
+    factorisation, one back-substitution for each case, then dense algebra of the size of the multiplier for each step;
+    the displacement of a step costs a back-substitution when it is first used, and is checked then.
+    With friction slip is measured from the step before (`previous=None` starts afresh), so the order of steps matters.
+
+    Examples
+    --------
+    ::
 
         steps = LoadSteps(problem)
         solutions = [steps.Solve(t) for t in np.linspace(0, 1, 21)]
@@ -28,11 +45,6 @@ class LoadSteps:
         problem.SetDirichlet((0, -1e-3), "top");  press = LoadCase(problem)
         problem.SetDirichlet((0, 0), "top");  problem.f += shear * v * body.ds("left");  push = LoadCase(problem)
         steps = LoadSteps(problem, [press, push]);  solution = steps.Solve(1, 0.3)
-
-    Stiffness matrix, multipliers, held parts, the gap and the given stresses are those of the problem when LoadSteps is built. One
-    factorisation, one back-substitution for each case, then dense algebra of the size of the multiplier for each step;
-    the displacement of a step costs a back-substitution when it is first used, and is checked then.
-    With friction slip is measured from the step before (`previous=None` starts afresh), so the order of steps matters.
     """
 
     def __init__(self, problem: ContactProblem, cases: Sequence[LoadCase] | None = None, inverse: str | None = None) -> None:
@@ -56,12 +68,31 @@ class LoadSteps:
         max_iterations: int = StepOptions.max_iterations,
         previous: ContactSolution | Literal["last"] | None = "last",
     ) -> ContactSolution:
-        """The ContactSolution for the factors t, one for each case.
+        """The solution for the factors t.
 
-        start: as for ContactProblem.Solve; default the active set of the step before.    cone, max_iterations: as for ContactProblem.Solve.
-        previous: from which slip is measured; default the step before, None: the body without slip.
-        Raises ValueError unless there is one finite factor for each case.
-        Raises NotConverged, for the displacement's own residual when `solution.u` is first used.
+        Parameters
+        ----------
+        *t : float
+            One for each case.
+        cone
+            As for ContactProblem.Solve.
+        start
+            As for ContactProblem.Solve; default the active set of the step before.
+        max_iterations
+            As for ContactProblem.Solve.
+        previous
+            From which slip is measured; default the step before, None: the body without slip.
+
+        Returns
+        -------
+        ContactSolution
+
+        Raises
+        ------
+        ValueError
+            Unless there is one finite factor for each case.
+        NotConverged
+            For the displacement's own residual when `solution.u` is first used.
         """
         if len(t) != len(self.cases):
             raise ValueError(f"LoadSteps: {len(t)} factor(s) for {len(self.cases)} load case(s); give one factor for each")

@@ -17,11 +17,17 @@ Start: TypeAlias = np.ndarray | ContactSolution | None  # boolean, one for each 
 class StepOptions:
     """As ContactProblem.Solve documents them.
 
-    cone: "nonpositive" or "weak", or one of CONES; default the problem's.
-    start: first active set: boolean, one for each nodal sign, or a ContactSolution on any mesh whose cracks have the same arc lengths; default: that
-        of `previous`, or from coarser sets, see active_set.coarse_start.
-    max_iterations: of the active set.
-    previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+    Parameters
+    ----------
+    cone
+        "nonpositive" or "weak", or one of CONES; default the problem's.
+    start
+        First active set: boolean, one for each nodal sign, or a ContactSolution on any mesh whose cracks have the same arc lengths; default: that of
+        `previous`, or from coarser sets, see active_set.coarse_start.
+    max_iterations
+        Of the active set.
+    previous
+        With friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
     """
 
     cone: str | Cone | None = None

@@ -48,7 +48,15 @@ class NodalSolution:
 class ReducedProblem:
     """A ContactProblem with the displacements eliminated: S = E A⁻¹ Eᵀ + D_γ, g = E A⁻¹F - G, E = B - C_γ, A = K - K_γ.
 
-    Solves for several cones, starts or loads without another factorisation.    inverse: as for ContactProblem.Solve.
+    Solves for several cones, starts or loads without another factorisation.
+
+    Parameters
+    ----------
+    inverse
+        As for ContactProblem.Solve.
+
+    Notes
+    -----
     check=False: for studies of what happens when K - K_γ is not coercive; the residual and the signs of a solution are checked all the same.
     """
 
@@ -108,7 +116,10 @@ class ReducedProblem:
     def Step(self, options: StepOptions = StepOptions(), case: ReducedCase | None = None) -> ContactSolution:
         """A ContactSolution whose displacement is recovered, and whose residuals are checked, when it is first used.
 
-        case: default what the problem held when it was reduced.
+        Parameters
+        ----------
+        case
+            Default what the problem held when it was reduced.
         """
         problem, case, cone = self.problem, case or self.case, options.Cone(self.problem.cone)
         self.system.CheckCone(cone)

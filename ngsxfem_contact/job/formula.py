@@ -28,8 +28,17 @@ class NoFormula(ValueError):
 def evaluated(text: str, names: dict[str, Coefficient]) -> Coefficient:
     """The value of a formula: a number, or a CoefficientFunction where a name in it is one.
 
-    names: what the formula may call by name → its value, beside pi.    Raises NoFormula for everything else than arithmetic with finite real numbers.
+    Parameters
+    ----------
+    names
+        What the formula may call by name → its value, beside pi.
 
+    Notes
+    -----
+    Raises NoFormula for everything else than arithmetic with finite real numbers.
+
+    Examples
+    --------
     >>> evaluated("2*sqrt(t) + 1e3", {"t": 4.0})
     1004.0
     """

@@ -23,7 +23,9 @@ DEFAULT = "default"  # the name of the boundary that no physical curve covers
 def read_gmsh(path: Path) -> ngm.Mesh:
     """The netgen mesh of a .msh file.
 
-    Regions and boundaries have the names of their physical groups, or "surface3", "curve3" after the tag of the group, or of the entity where it is in none.
+    Regions and boundaries have the names of their physical groups, or "surface3", "curve3" after the tag of the group, or of the entity where it is in
+    none.
+
     Raises UnreadableFile for other files and formats, elements that are no triangles, and elements in more than one group.
     """
     sections = read_sections(path)

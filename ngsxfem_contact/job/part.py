@@ -30,8 +30,18 @@ ONE, MANY = (
 class Part:
     """What a file describes.
 
-    title: of the part.    problem: the ContactProblem, its loads and supports included.    factors: of the loads, one for each step; None: one solve with
-    all of them.    inverse: the direct solver, or None.    output, reference: the tables of the file.
+    Parameters
+    ----------
+    title
+        Of the part.
+    problem
+        The ContactProblem, its loads and supports included.
+    factors
+        Of the loads, one for each step; None: one solve with all of them.
+    inverse
+        The direct solver, or None.
+    output, reference
+        The tables of the file.
     """
 
     file: Path
@@ -54,8 +64,15 @@ class Part:
 def read_part(path: str | Path, maxh: float | None = None) -> Part:
     """The Part of a TOML file.
 
-    maxh: in place of that of the file, whose mesh is a rectangle.
-    Raises RefusedPart for what the file cannot mean, FileNotFoundError if there is none.
+    Parameters
+    ----------
+    maxh
+        In place of that of the file, whose mesh is a rectangle.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is none.
     """
     path = Path(path)
     top = Table(read_toml(path), "the file", path)

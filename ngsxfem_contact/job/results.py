@@ -143,7 +143,12 @@ def entry(reference: dict[str, Any], key: str, *indices: int) -> Any:
 def write_results(part: Part, solutions: list[ContactSolution], numbers: dict[str, Any], text: str, folder: Path, pictures: bool) -> Iterator[Any]:
     """Writes all files; yields their paths.
 
-    numbers, text: `numbers_of` and `summary` of the solutions.    pictures: whether body.png and profile.png are among the files.
+    Parameters
+    ----------
+    numbers, text
+        `numbers_of` and `summary` of the solutions.
+    pictures
+        Whether body.png and profile.png are among the files.
     """
     document = json.dumps(numbers, indent=1)
     folder.mkdir(parents=True, exist_ok=True)

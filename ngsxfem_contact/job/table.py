@@ -34,7 +34,15 @@ class Wrong(ValueError):
 
 @dataclass(frozen=True)
 class Table:
-    """values: of the file.    name: of the table, in messages.    file: the path of the file."""
+    """values: of the file.
+
+    Parameters
+    ----------
+    name
+        Of the table, in messages.
+    file
+        The path of the file.
+    """
 
     values: dict[str, Any]
     name: str

@@ -22,10 +22,27 @@ if TYPE_CHECKING:
 def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[Any] = ()) -> GridFunction:
     """Π_h u: a_i = û^{s_i}(y_i), b_i = (û⁺ - û⁻)(y_i), and given coefficients for the tip functions.
 
-    plus, minus: û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two
-        components; minus=None: no jump.    tips: for each tip the coefficients of its functions.
-    Returns a GridFunction. With several cracks the same pair is used at each.
-    Raises ValueError for functions that are not finite or have not two components, and for a wrong number of coefficients.
+    Parameters
+    ----------
+    V : CrackFESpace
+        The space.
+    plus, minus
+        û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two components; minus=None: no jump.
+    tips
+        For each tip the coefficients of its functions.
+
+    Returns
+    -------
+    GridFunction
+
+    Raises
+    ------
+    ValueError
+        For functions that are not finite or have not two components, and for a wrong number of coefficients.
+
+    Notes
+    -----
+    With several cracks the same pair is used at each.
     """
     V.body.CheckMesh()
     unknowns = Unknowns(V)
@@ -88,8 +105,22 @@ def _side_of_nearest(cracks: list[Crack], point: tuple[float, float]) -> int:
 def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: int = 4) -> GridFunction:
     """The L²(Ω∖Γ_C) projection onto V, a GridFunction.
 
-    V: CrackFESpace.    function: CoefficientFunction with two components, which may jump across the cracks.    bonus_intorder: of the
-    rule for it, default 4.    Raises ValueError for a function that is not finite or has not two components.
+    Parameters
+    ----------
+    V : CrackFESpace
+    function
+        CoefficientFunction with two components, which may jump across the cracks.
+    bonus_intorder
+        Of the rule for it, default 4.
+
+    Returns
+    -------
+    GridFunction
+
+    Raises
+    ------
+    ValueError
+        For a function that is not finite or has not two components.
     """
     u, v = V.TnT()
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat

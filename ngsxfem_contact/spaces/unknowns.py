@@ -8,8 +8,16 @@ from .. import _ngsxfem_contact as core
 class Unknowns:
     """The layout of V_h: the coefficients a_i of φ_i, x then y, those b_i of the Heaviside functions, x then y, and those c_j of the tips.
 
-    functions: the number of φ_i.    jumps: the number of Heaviside functions of one component.
-    polynomial, heaviside, regular: slices of all a_i, all b_i, and both.    enriched: (jumps,) the φ_i that each Heaviside function belongs to.
+    Attributes
+    ----------
+    functions
+        The number of φ_i.
+    jumps
+        The number of Heaviside functions of one component.
+    polynomial, heaviside, regular
+        Slices of all a_i, all b_i, and both.
+    enriched
+        (jumps,) the φ_i that each Heaviside function belongs to.
     """
 
     def __init__(self, V: core.CrackFESpace) -> None:
