@@ -50,13 +50,13 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     """
 
     def Points(
-        self, order: int, space: ngsolve.comp.FESpace = None
+        self, order: int, space: ngsolve.comp.FESpace | None = None
     ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
         Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.
         """
 
-    def PrepareRules(self, order: int, space: ngsolve.comp.FESpace = None) -> None:
+    def PrepareRules(self, order: int, space: ngsolve.comp.FESpace | None = None) -> None:
         """
         Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form.
         """
@@ -68,7 +68,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         definedonelements: pyngcore.pyngcore.BitArray | None = None,
         crack: int | None = None,
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
-        space: ngsolve.comp.FESpace = None,
+        space: ngsolve.comp.FESpace | None = None,
     ) -> CutDifferentialSymbol:
         """
         The same measure, restricted or refined.
@@ -127,7 +127,9 @@ class Crack:
         """
 
     @staticmethod
-    def Curve(function, t0, t1, tolerance=1e-07, max_pieces=4096):
+    def Curve(
+        function: collections.abc.Callable[[float], collections.abc.Sequence[float]], t0: float, t1: float, tolerance: float = 1e-07, max_pieces: int = 4096
+    ) -> Crack:
         """
         The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
@@ -139,13 +141,19 @@ class Crack:
         """
 
     @staticmethod
-    def Join(*args) -> Crack:
+    def Join(*cracks: Crack) -> Crack:
         """
         Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.
         """
 
     @staticmethod
-    def LevelSet(mesh, phi, psi=None, tolerance=None, max_points=4096):
+    def LevelSet(
+        mesh: ngsolve.comp.Mesh,
+        phi: ngsolve.fem.CoefficientFunction,
+        psi: ngsolve.fem.CoefficientFunction | None = None,
+        tolerance: float | None = None,
+        max_points: int = 4096,
+    ) -> Crack:
         """
         The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
@@ -165,7 +173,7 @@ class Crack:
         """
 
     @staticmethod
-    def Spline(points, ends="not-a-knot"):
+    def Spline(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray, ends: str = "not-a-knot") -> Crack:
         """
         The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
 
@@ -586,7 +594,7 @@ class CrackedMesh:
         Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).
         """
 
-    def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple:
+    def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """
         (elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.
         """
@@ -596,7 +604,7 @@ class CrackedMesh:
         The ElementParts into which the cracks divide an element; none if no crack meets it.
         """
 
-    def __init__(self, mesh: ngsolve.comp.Mesh, *args) -> None: ...
+    def __init__(self, mesh: ngsolve.comp.Mesh, *cracks: Crack) -> None: ...
     @property
     def crack_number(self) -> ngsolve.fem.CoefficientFunction:
         """
@@ -798,7 +806,7 @@ class CrackFESpace(ngsolve.comp.FESpace):
         The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.
         """
 
-    def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **kwargs) -> None: ...
+    def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **flags: typing.Any) -> None: ...
     @property
     def body(self) -> CrackedMesh:
         """
@@ -835,7 +843,7 @@ class CrackBilinearForm(ngsolve.comp.BilinearForm):
     the same matrix, assembled faster. Flags as for BilinearForm, but for those that choose another storage.
     """
 
-    def __init__(self, space: CrackFESpace, name: str = "crack_form", **kwargs) -> None: ...
+    def __init__(self, space: CrackFESpace, name: str = "crack_form", **flags: typing.Any) -> None: ...
 
 class TraceSpace(ngsolve.comp.FESpace):
     """
@@ -1010,7 +1018,7 @@ def BorderedMatrix(
     first: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     row: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
-) -> tuple:
+) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
     """
     Upper triangle of [A, K^T; K, 0], A on the inner unknowns, in CSR format: (first, column, value). K in CSC format.
     """

@@ -1,18 +1,24 @@
 """Curved cracks from points, parametrised curves and level sets: Crack.Spline, Crack.Curve, Crack.LevelSet."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import scipy
-from ngsolve import Mesh
+from ngsolve import CoefficientFunction, Mesh
 
 from ._ngsxfem_contact import Crack
 from .arguments import check_function, check_number, check_positive, check_type
 
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
 ENDS = ("not-a-knot", "natural")
+Point: TypeAlias = Sequence[float]
+Points: TypeAlias = Sequence[Point] | np.ndarray
 
 
-def of_spline(spline):
+def of_spline(spline: "CubicSpline") -> Crack:
     """The Crack along a scipy CubicSpline with two components."""
     t, p, d = spline.x, spline(spline.x), spline(spline.x, 1)
     h = np.diff(t)[:, None]
@@ -20,7 +26,7 @@ def of_spline(spline):
     return Crack.OfPieces([("cubic", [(float(x), float(y)) for x, y in piece]) for piece in pieces])
 
 
-def checked(points, name):
+def checked(points: Points, name: str) -> np.ndarray:
     """Points as an array (n, 2); raises ValueError for what is none, and for coordinates that are not finite."""
     try:
         points = np.asarray(points, dtype=float)
@@ -34,7 +40,7 @@ def checked(points, name):
     return points
 
 
-def spline(points, ends="not-a-knot"):
+def spline(points: Points, ends: str = "not-a-knot") -> Crack:
     """The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
 
     ends: "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
@@ -52,7 +58,7 @@ def spline(points, ends="not-a-knot"):
     return of_spline(scipy.interpolate.CubicSpline(np.concatenate([[0], np.cumsum(chords)]), points, bc_type=ends))
 
 
-def curve(function, t0, t1, tolerance=1e-7, max_pieces=4096):
+def curve(function: Callable[[float], Point], t0: float, t1: float, tolerance: float = 1e-7, max_pieces: int = 4096) -> Crack:
     """The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
     function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
@@ -83,7 +89,7 @@ class NotFitted(Exception):
         self.pieces, self.error = pieces, error
 
 
-def fitted(at, t, tolerance, max_pieces):
+def fitted(at: Callable[[np.ndarray], np.ndarray], t: np.ndarray, tolerance: float, max_pieces: int) -> "CubicSpline":
     """The CubicSpline through points at(t) that deviates by less than the tolerance, its intervals, at first t, divided as often as that takes.
 
     Raises NotFitted if that is more than max_pieces, or an interval shorter than that many equal ones.
@@ -102,7 +108,9 @@ def fitted(at, t, tolerance, max_pieces):
         t = np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in zip(t, t[1:], parts)), t[-1:]])
 
 
-def level_set(mesh, phi, psi=None, tolerance=None, max_points=4096):
+def level_set(
+    mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | None = None, tolerance: float | None = None, max_points: int = 4096
+) -> Crack:
     """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
     The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
@@ -252,7 +260,7 @@ class LevelSetChain:
             ) from None
 
 
-def chains(neighbours):
+def chains(neighbours: dict[Any, list[Any]]) -> list[list[Any]]:
     """Paths through a graph {node: neighbours} in which every node has one or two; raises ValueError for a closed one."""
     left = set(neighbours)
     paths = []
@@ -270,7 +278,7 @@ def chains(neighbours):
     return paths
 
 
-def without_short_chords(points):
+def without_short_chords(points: np.ndarray) -> np.ndarray:
     """Leaves out inner points that are much closer to the one before (or to the end) than usual: they would bend a spline."""
     least = 0.3 * np.median(np.hypot(*np.diff(points, axis=0).T))
     kept = [points[0]]

@@ -12,6 +12,10 @@ from pathlib import Path
 NAME = "_ngsxfem_contact"
 TYPES = {
     "pyngcore.pyngcore.BitArray = None": "pyngcore.pyngcore.BitArray | None = None",
+    "ngsolve.comp.FESpace = None": "ngsolve.comp.FESpace | None = None",
+    "-> tuple:": "-> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:",  # OnCrack, BorderedMatrix
+    "*args": "*cracks: Crack",  # of Crack.Join and CrackedMesh
+    "**kwargs": "**flags: typing.Any",  # of NGSolve's spaces and forms
     "typing.SupportsInt | typing.SupportsIndex": "int",
     "typing.SupportsFloat | typing.SupportsIndex": "float",
 }
