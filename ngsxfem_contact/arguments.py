@@ -1,14 +1,22 @@
 """Arguments that make no sense are refused where they are given: what is wrong, its value, what it must be."""
 
+from __future__ import annotations
+
 from numbers import Real
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import CoefficientFunction
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sized
+
+    from ngsolve import Mesh
+
 INFINITY = float("inf")
 
 
-def check_number(value, name, holds=lambda value: -INFINITY < value < INFINITY, must="be finite"):
+def check_number(value: Any, name: str, holds: Callable[[Any], bool] = lambda value: -INFINITY < value < INFINITY, must: str = "be finite") -> None:
     """Raises TypeError for what is no number, ValueError unless holds(value); write conditions that NaN does not fulfil."""
     if not isinstance(value, Real):
         raise TypeError(f"{name}={value!r} is not a number")
@@ -16,12 +24,12 @@ def check_number(value, name, holds=lambda value: -INFINITY < value < INFINITY, 
         raise ValueError(f"{name}={value} must {must}")
 
 
-def check_positive(value, name, hint=""):
+def check_positive(value: Any, name: str, hint: str = "") -> None:
     """Raises unless value is a number, 0 < value < inf."""
     check_number(value, name, lambda number: 0 < number < INFINITY, f"be positive and finite{hint}")
 
 
-def check_whole(value, name, least):
+def check_whole(value: Any, name: str, least: int) -> None:
     """Raises unless value is a whole number, at least `least`."""
     if not isinstance(value, int | np.integer):
         raise TypeError(f"{name}={value!r} is not a whole number")
@@ -29,26 +37,26 @@ def check_whole(value, name, least):
         raise ValueError(f"{name}={value} must be {least} or more")
 
 
-def check_item(number, items, what, where):
+def check_item(number: Any, items: Sized, what: str, where: str) -> None:
     """Raises ValueError unless number is that of an item, counted from the first one."""
     if not isinstance(number, int | np.integer) or not 0 <= number < len(items):
         raise ValueError(f"there is no {what} {number!r}; {where} has {len(items)}, counted from 0")
 
 
-def check_type(value, types, name, must):
+def check_type(value: Any, types: Any, name: str, must: str) -> None:
     """Raises TypeError unless value is an instance of one of the types; must: what it has to be, in words."""
     if not isinstance(value, types):
         raise TypeError(f"{name}={value!r} is not {must}")
 
 
-def is_function(value):
+def is_function(value: Any) -> bool:
     """Whether NGSolve takes a value for a real CoefficientFunction; it does not survive None."""
     if isinstance(value, (tuple, list, np.ndarray)):
         return len(value) > 0 and all(map(is_function, value))
     return isinstance(value, Real) or (isinstance(value, CoefficientFunction) and not value.is_complex)
 
 
-def check_function(value, name, dim):
+def check_function(value: Any, name: str, dim: int) -> CoefficientFunction:
     """The CoefficientFunction of a value; raises TypeError for what is none, ValueError unless it has `dim` components."""
     if not is_function(value):
         raise TypeError(f"{name}={value!r} is neither a number nor a CoefficientFunction")
@@ -58,7 +66,7 @@ def check_function(value, name, dim):
     return function
 
 
-def check_regions(mesh, pattern, what):
+def check_regions(mesh: Mesh, pattern: Any, what: str) -> None:
     """Raises TypeError for what is no pattern of boundary names, ValueError if it matches nothing."""
     check_type(pattern, str, what, "the name of a boundary, or a regular expression")
     if not mesh.Boundaries(pattern).Mask().NumSet():

@@ -1,5 +1,7 @@
 """Curved cracks from points, parametrised curves and level sets: Crack.Spline, Crack.Curve, Crack.LevelSet."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,7 +20,7 @@ Point: TypeAlias = Sequence[float]
 Points: TypeAlias = Sequence[Point] | np.ndarray
 
 
-def of_spline(spline: "CubicSpline") -> Crack:
+def of_spline(spline: CubicSpline) -> Crack:
     """The Crack along a scipy CubicSpline with two components."""
     t, p, d = spline.x, spline(spline.x), spline(spline.x, 1)
     h = np.diff(t)[:, None]
@@ -29,15 +31,15 @@ def of_spline(spline: "CubicSpline") -> Crack:
 def checked(points: Points, name: str) -> np.ndarray:
     """Points as an array (n, 2); raises ValueError for what is none, and for coordinates that are not finite."""
     try:
-        points = np.asarray(points, dtype=float)
+        array = np.asarray(points, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: {points!r} are no points (x, y)") from None
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
-        raise ValueError(f"{name}: give at least two points (x, y), got an array of shape {points.shape}")
-    if not np.isfinite(points).all():
-        i = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
-        raise ValueError(f"{name}: point {i} is {tuple(points[i].tolist())}; coordinates must be finite")
-    return points
+    if array.ndim != 2 or array.shape[1] != 2 or len(array) < 2:
+        raise ValueError(f"{name}: give at least two points (x, y), got an array of shape {array.shape}")
+    if not np.isfinite(array).all():
+        i = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        raise ValueError(f"{name}: point {i} is {tuple(array[i].tolist())}; coordinates must be finite")
+    return array
 
 
 def spline(points: Points, ends: str = "not-a-knot") -> Crack:
@@ -85,11 +87,11 @@ def curve(function: Callable[[float], Point], t0: float, t1: float, tolerance: f
 class NotFitted(Exception):
     """A spline with as many pieces as allowed deviates by an error."""
 
-    def __init__(self, pieces, error):
+    def __init__(self, pieces: int, error: float) -> None:
         self.pieces, self.error = pieces, error
 
 
-def fitted(at: Callable[[np.ndarray], np.ndarray], t: np.ndarray, tolerance: float, max_pieces: int) -> "CubicSpline":
+def fitted(at: Callable[[np.ndarray], np.ndarray], t: np.ndarray, tolerance: float, max_pieces: int) -> CubicSpline:
     """The CubicSpline through points at(t) that deviates by less than the tolerance, its intervals, at first t, divided as often as that takes.
 
     Raises NotFitted if that is more than max_pieces, or an interval shorter than that many equal ones.
@@ -108,9 +110,7 @@ def fitted(at: Callable[[np.ndarray], np.ndarray], t: np.ndarray, tolerance: flo
         t = np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in zip(t, t[1:], parts)), t[-1:]])
 
 
-def level_set(
-    mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | None = None, tolerance: float | None = None, max_points: int = 4096
-) -> Crack:
+def level_set(mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | None = None, tolerance: float | None = None, max_points: int = 4096) -> Crack:
     """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
     The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
@@ -133,10 +133,10 @@ def level_set(
 class LevelSetChain:
     """Points on φ = 0 in order, φ > 0 to the left."""
 
-    def __init__(self, mesh, phi, psi):
+    def __init__(self, mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | None) -> None:
         self.mesh, self.phi, self.psi = mesh, phi, psi
 
-    def Value(self, cf, points):
+    def Value(self, cf: CoefficientFunction, points: np.ndarray) -> np.ndarray:
         """Of a function at points (n, 2); raises ValueError where it is not finite."""
         points = np.asarray(points, dtype=float)
         try:
@@ -152,7 +152,7 @@ class LevelSetChain:
             )
         return values
 
-    def Points(self):
+    def Points(self) -> LevelSetChain:
         """Finds them where φ = 0 crosses edges, cut off at ψ = 0."""
         vertices = np.array([v.point for v in self.mesh.vertices])
         edges = np.array([[v.nr for v in edge.vertices] for edge in self.mesh.edges])
@@ -177,7 +177,7 @@ class LevelSetChain:
         self.points = self.Oriented(without_short_chords(branches[0]))
         return self
 
-    def Roots(self, a, b):
+    def Roots(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Where φ changes its sign between points a and b (n, 2)."""
         positive = self.Value(self.phi, a) >= 0
         lo, hi = np.zeros(len(a)), np.ones(len(a))
@@ -187,7 +187,7 @@ class LevelSetChain:
             lo, hi = np.where(same, middle, lo), np.where(same, hi, middle)
         return a + lo[:, None] * (b - a)
 
-    def Project(self, points, normals, size):
+    def Project(self, points: np.ndarray, normals: np.ndarray, size: np.ndarray) -> np.ndarray:
         """Points on φ = 0 along the normals, by the secant method."""
         shift, other = np.zeros(len(points)), np.full(len(points), 1e-4) * size
         at = lambda tau: self.Value(self.phi, points + tau[:, None] * normals)
@@ -199,7 +199,7 @@ class LevelSetChain:
             f = at(shift)
         return points + shift[:, None] * normals
 
-    def Inside(self, chain):
+    def Inside(self, chain: np.ndarray) -> list[np.ndarray]:
         """The parts of a chain in which ψ < 0, with ends on ψ = 0."""
         if self.psi is None:
             return [chain]
@@ -215,7 +215,7 @@ class LevelSetChain:
             parts.append(np.array(part))
         return parts
 
-    def End(self, inner, outer):
+    def End(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
         """The point of φ = 0 between two points of it at which ψ = 0."""
         size = np.hypot(*(outer - inner))
         normal = np.array([[-(outer - inner)[1], (outer - inner)[0]]]) / size
@@ -226,14 +226,14 @@ class LevelSetChain:
             lo, hi = (middle, hi) if self.Value(self.psi, at(middle))[0] < 0 else (lo, middle)
         return at(lo)[0]
 
-    def Oriented(self, points):
+    def Oriented(self, points: np.ndarray) -> np.ndarray:
         """φ > 0 lies to the left."""
         i = len(points) // 2
         chord = points[i] - points[i - 1]
         left = 0.5 * (points[i] + points[i - 1]) + 0.05 * np.array([-chord[1], chord[0]])
         return points if self.Value(self.phi, left[None])[0] > 0 else points[::-1]
 
-    def Fitted(self, tolerance, max_points):
+    def Fitted(self, tolerance: float, max_points: int) -> Crack:
         """The spline through points of φ = 0 above or below the spline through those on edges, as many as the tolerance takes."""
         points = self.points
         ends = points[[0, -1]]
@@ -244,7 +244,7 @@ class LevelSetChain:
         t = np.concatenate([[0], np.cumsum(chords)])
         first = scipy.interpolate.CubicSpline(t, points)
 
-        def at(s):
+        def at(s: np.ndarray) -> np.ndarray:
             inner, tangent = (s > 0) & (s < t[-1]), first(s, 1)  # beside the ends there may be no mesh
             normals = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.hypot(*tangent.T)[:, None]
             places = first(s)

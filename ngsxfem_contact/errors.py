@@ -1,5 +1,7 @@
 """What a solve can refuse, and what it warns of."""
 
+from __future__ import annotations
+
 import sys
 import warnings
 
@@ -33,7 +35,7 @@ class AccuracyWarning(UserWarning):
     """The answer is less accurate than it looks: the message says where, why and what to do about it."""
 
 
-def warn(message):
+def warn(message: str) -> None:
     """An AccuracyWarning that points to the line outside of this package that led here."""
     level, frame = 2, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __package__:

@@ -1,9 +1,15 @@
 """Files that appear when they are complete, and folders that one process works in."""
 
+from __future__ import annotations
+
 import os
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
 
 try:
     import fcntl
@@ -15,7 +21,7 @@ class UnreadableFile(ValueError):
     """A file of earlier results is damaged; the message says where, and what to do."""
 
 
-def write_whole(path, write, end=b""):
+def write_whole(path: Path, write: Callable[[Path], Any], end: bytes = b"") -> Path:
     """Calls write(temporary path in the same folder) and moves the complete file to its place; returns the path.
 
     end: what the file must end with, for writers that do not say when the disk is full.
@@ -34,7 +40,7 @@ def write_whole(path, write, end=b""):
     return path
 
 
-def check_complete(temporary, path, end):
+def check_complete(temporary: Path, path: Path, end: bytes) -> None:
     """Raises OSError unless a file has reached the disk, up to its end."""
     try:
         with open(temporary, "rb+") as file:
@@ -49,7 +55,7 @@ def check_complete(temporary, path, end):
 
 
 @contextmanager
-def only_one(path, what):
+def only_one(path: str | Path, what: str) -> Iterator[Any]:
     """Holds a lock on a file while the block runs; raises BlockingIOError if another process does. The system frees it when the process ends."""
     with open(path, "w", encoding="utf-8") as file:
         if fcntl is not None:

@@ -5,34 +5,42 @@ jump(v) = v⁺ - v⁻; the gap g_n = jump(u)·n is ≥ 0 where the crack is open
 σ_n = n·σn ≤ 0 is compression. [AHLMR12] writes ⟦u_n⟧ = u⁺·n⁺ + u⁻·n⁻, which is -g_n.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from ngsolve import Grad, InnerProduct, Sym
 
 from ._ngsxfem_contact import Variation
+
+if TYPE_CHECKING:
+    from ngsolve import CoefficientFunction
+
+    from ._ngsxfem_contact import CrackedMesh
 
 __all__ = ["Gradient", "Jump", "Minus", "NormalGap", "NormalStress", "Plus", "Slip", "Strain", "TangentialStress", "Variation"]
 
 SIDES = ("plus", "minus", "larger")
 
 
-def Plus(u):
+def Plus(u: CoefficientFunction) -> CoefficientFunction:
     """The limit u⁺ on the crack, a vector with 2 components; u: trial function, test function or GridFunction of a CrackFESpace."""
     return u.Operator("plus")
 
 
-def Minus(u):
+def Minus(u: CoefficientFunction) -> CoefficientFunction:
     """The limit u⁻ on the crack, a vector with 2 components; u as for Plus."""
     return u.Operator("minus")
 
 
-def Jump(u):
+def Jump(u: CoefficientFunction) -> CoefficientFunction:
     """u⁺ - u⁻ on the crack, a vector with 2 components; u as for Plus."""
     return u.Operator("jump")
 
 
-def Gradient(u, side=None):
+def Gradient(u: CoefficientFunction, side: str | None = None) -> CoefficientFunction:
     """The 2 × 2 matrix ∂_j u_i.
 
     side: None (default), by the position of the point; on the crack "plus", "minus", or "larger": from the polynomial of the larger part of
@@ -45,27 +53,27 @@ def Gradient(u, side=None):
     return u.Operator("grad" + side)
 
 
-def Strain(u, side=None):
+def Strain(u: CoefficientFunction, side: str | None = None) -> CoefficientFunction:
     """ε(u) = ½(∇u + ∇uᵀ), a 2 × 2 matrix; side as for Gradient."""
     return Sym(Gradient(u, side))
 
 
-def NormalGap(u, body):
+def NormalGap(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """g_n = jump(u)·n, in the user's unit of length; negative: interpenetration. body: CrackedMesh. [AHLMR12] writes -⟦u_n⟧."""
     return InnerProduct(Jump(u), body.normal)
 
 
-def Slip(u, body):
+def Slip(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """g_t = jump(u)·t, in the user's unit of length: the plus side moves along t by g_t more than the minus side. body: CrackedMesh."""
     return InnerProduct(Jump(u), body.tangent)
 
 
-def NormalStress(stress, body):
+def NormalStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """σ_n = n·σn of a 2 × 2 stress on the crack, in its unit; ≤ 0 in compression. body: CrackedMesh."""
     return InnerProduct(stress * body.normal, body.normal)
 
 
-def TangentialStress(stress, body):
+def TangentialStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """σ_t = t·σn of a 2 × 2 stress on the crack, in its unit. body: CrackedMesh."""
     return InnerProduct(stress * body.normal, body.tangent)
 
@@ -74,9 +82,9 @@ def TangentialStress(stress, body):
 class Component:
     """One direction(body) on the crack: jump(u, body) of the displacement and traction(stress, body), its work conjugate."""
 
-    jump: Callable
-    traction: Callable
-    direction: Callable
+    jump: Callable[[Any, CrackedMesh], CoefficientFunction]
+    traction: Callable[[CoefficientFunction, CrackedMesh], CoefficientFunction]
+    direction: Callable[[CrackedMesh], CoefficientFunction]
 
 
 NORMAL = Component(NormalGap, NormalStress, lambda body: body.normal)

@@ -1,9 +1,16 @@
 """Points of cracks, and distances in the plane."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from ._ngsxfem_contact import CrackedMesh
 
-def distance_to_segments(a, b, point):
+
+def distance_to_segments(a: np.ndarray, b: np.ndarray, point: np.ndarray) -> float:
     """Of a point from the nearest of the segments from a to b, (n, 2) each; inf if there are none."""
     if len(a) == 0:
         return np.inf
@@ -11,7 +18,7 @@ def distance_to_segments(a, b, point):
     return float(np.hypot(*(a + t[:, None] * (b - a) - point).T).min())
 
 
-def crack_points(body, crack, arclengths):
+def crack_points(body: CrackedMesh, crack: int, arclengths: list[float] | np.ndarray) -> np.ndarray:
     """NGSolve's mesh points at arc lengths of a crack, each in an element that carries that part of it."""
     elements, xi, eta = body.OnCrack(crack, list(arclengths))
     points = body.mesh(np.full(len(elements), body.cracks[crack].points[0][0]), np.full(len(elements), body.cracks[crack].points[0][1]))

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 class Nodes(Protocol):
     """Where the signs of the multiplier are taken: a TraceSpace, or what stands for it."""
 
-    ndof: int
-    """The number of the multiplier's unknowns."""
+    @property
+    def ndof(self) -> int:
+        """The number of the multiplier's unknowns."""
 
     @property
     def body(self) -> "CrackedMesh":
@@ -117,14 +118,17 @@ class TipFunctions(Protocol):
 class DirectSolver(Protocol):
     """A factorised symmetric matrix A, and K A⁻¹Kᵀ for some rows K: what `algebra.elimination.factorise` returns."""
 
-    name: str
-    """As in Solve(inverse=...)."""
+    @property
+    def name(self) -> str:
+        """As in Solve(inverse=...)."""
 
-    schur: np.ndarray
-    """K A⁻¹Kᵀ, dense."""
+    @property
+    def schur(self) -> np.ndarray:
+        """K A⁻¹Kᵀ, dense."""
 
-    positive: bool | None
-    """Whether A is positive definite; None: the solver does not tell."""
+    @property
+    def positive(self) -> bool | None:
+        """Whether A is positive definite; None: the solver does not tell."""
 
     def Solve(self, rhs: np.ndarray) -> np.ndarray:
         """A⁻¹ rhs; zero where an unknown is not in the factorisation."""

@@ -7,6 +7,8 @@ on, the iterates do not depend on r > 0. An index changes sides only by more tha
 zero pressure, p_i and w_i are both zero.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,16 +24,16 @@ class ActiveSetResult:
     """p: the solution.  active: the set of each iteration (boolean arrays).  fallback: steps of descend after a cycle."""
 
     p: np.ndarray
-    active: list
+    active: list[np.ndarray]
     fallback: int
 
     @property
-    def iterations(self):
+    def iterations(self) -> int:
         """Sets that were tried, the first one among them."""
         return len(self.active)
 
 
-def solve_active_set(Q, q, start=None, max_iterations=100):
+def solve_active_set(Q: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, max_iterations: int = 100) -> ActiveSetResult:
     """Solves p ≤ 0, w = Qp + q ≤ 0, p·w = 0.
 
     Q: (m, m), positive definite, in any scaling; r = 1/diag(Q).
@@ -61,7 +63,7 @@ def solve_active_set(Q, q, start=None, max_iterations=100):
     )
 
 
-def coarse_start(Q, q, smallest=4):
+def coarse_start(Q: np.ndarray, q: np.ndarray, smallest: float = 4) -> tuple[np.ndarray, int]:
     """A first active set from coarser problems, and the number of iterations on them.
 
     Two neighbours share one unknown, p = P p_c, which keeps p ≤ 0: solve with PᵀQP, Pᵀq, itself started from half as many
@@ -77,7 +79,7 @@ def coarse_start(Q, q, smallest=4):
     return np.repeat(result.active[-1], 2)[:m], iterations + result.iterations
 
 
-def solve_equalities(Q, q, active):
+def solve_equalities(Q: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """p and w with w = 0 on the active set and p = 0 elsewhere."""
     p = np.zeros(len(q))
     if active.any():
@@ -87,7 +89,7 @@ def solve_equalities(Q, q, active):
     return p, w
 
 
-def descend(Q, q, history):
+def descend(Q: np.ndarray, q: np.ndarray, history: list[np.ndarray]) -> ActiveSetResult:
     """The active set of Lawson and Hanson (1974): ½pᵀQp + qᵀp falls at every step, so that no set comes back.
 
     One index enters at a time, that of the largest violation; indices leave where p would become positive. Ends for every
@@ -106,19 +108,19 @@ def descend(Q, q, history):
     raise NotConverged(f"the active set cycles, and {100 * len(q)} steps of descent were not enough: refine or change the mesh where the crack is")
 
 
-def is_symmetric(Q):
+def is_symmetric(Q: np.ndarray) -> bool:
     """But for round-off, in any scaling."""
     scale = 1 / np.sqrt(np.diag(Q))
     return bool((np.abs(Q - Q.T) * scale * scale[:, None]).max() < 1e-10)
 
 
-def along_path(Q, q, history):
+def along_path(Q: np.ndarray, q: np.ndarray, history: list[np.ndarray]) -> ActiveSetResult:
     """From the last set, for any positive definite Q."""
     p, states, changes = follow_path(Q, q, np.full(len(q), -np.inf), np.zeros(len(q)), np.where(history[-1], INSIDE, AT_UPPER))
     return ActiveSetResult(p, history + [states == INSIDE], changes)
 
 
-def move_to_equilibrium(Q, q, p, active):
+def move_to_equilibrium(Q: np.ndarray, q: np.ndarray, p: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """To w = 0 on the active set, which gives up indices as long as p would not stay ≤ 0."""
     while True:
         target, _ = solve_equalities(Q, q, active)

@@ -6,6 +6,8 @@ solution has given states, and moves back on a line, 0 ≤ t ≤ 1. The solution
 where a bound is met: each set of states holds on one interval of t, so that none comes back and the path ends.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from ..errors import NotConverged
@@ -13,7 +15,7 @@ from ..errors import NotConverged
 INSIDE, AT_UPPER, AT_LOWER = 0, 1, -1
 
 
-def follow_path(Q, q, lower, upper, states):
+def follow_path(Q: np.ndarray, q: np.ndarray, lower: np.ndarray, upper: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
     """p, its states and the number of changes on the way; raises NotConverged after 100 changes for each unknown.
 
     Q: (n, n), any scaling.    lower, upper: may be infinite, or equal, where w is free.    states: (n,) INSIDE, AT_UPPER or AT_LOWER.
@@ -33,23 +35,23 @@ def follow_path(Q, q, lower, upper, states):
 class Path:
     """The solutions for q(t) = q + (1 - t) shift, from t on; Q has a diagonal of 1."""
 
-    def __init__(self, Q, q, lower, upper, states):
+    def __init__(self, Q: np.ndarray, q: np.ndarray, lower: np.ndarray, upper: np.ndarray, states: np.ndarray) -> None:
         self.Q, self.q, self.lower, self.upper, self.states, self.t = Q, q, lower, upper, states, 0.0
         self.shift = self._shift()
 
-    def At(self, q):
+    def At(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """p and w for some q and the present states."""
         inside = self.states == INSIDE
         p = np.where(inside, 0, np.where(self.states == AT_UPPER, self.upper, self.lower))
         return self._complete(p, q, inside)
 
-    def _complete(self, p, q, inside):
+    def _complete(self, p: np.ndarray, q: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         p[inside] = np.linalg.solve(self.Q[np.ix_(inside, inside)], -(q + self.Q @ p)[inside])
         w = self.Q @ p + q
         w[inside] = 0
         return p, w
 
-    def _shift(self):
+    def _shift(self) -> np.ndarray:
         """What q needs to be added for the states to hold: violated ones by generic margins, so that bounds are met one at a time."""
         p, w = self.At(self.q)
         size = max(np.abs(p).max(), np.abs(w).max())
@@ -61,10 +63,10 @@ class Path:
         wanted = np.where(violated, -self.states * margin, w)
         return wanted - self.Q @ right - self.q
 
-    def _is_free_to_move(self):
+    def _is_free_to_move(self) -> np.ndarray:
         return (self.states != INSIDE) & (self.lower < self.upper)
 
-    def Advance(self, last=1 - 1e-13):
+    def Advance(self, last: float = 1 - 1e-13) -> bool:
         """Changes the state whose bound is met next; True if none is before t = 1."""
         inside, movable = self.states == INSIDE, self._is_free_to_move()
         p, w = self.At(self.q + self.shift)
@@ -80,7 +82,7 @@ class Path:
         return False
 
 
-def first_zero(value, rate, where):
+def first_zero(value: np.ndarray, rate: np.ndarray, where: np.ndarray) -> np.ndarray:
     """The t at which value + t rate falls to zero; infinite where it does not, or need not be looked at."""
     falls = where & np.isfinite(value) & (rate < 0)
     return np.where(falls, value / np.where(falls, -rate, 1), np.inf)

@@ -1,6 +1,9 @@
 """Elimination of the displacements: what is left are the crack's own unknowns."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -11,33 +14,38 @@ from ..protocols import DirectSolver
 from . import pardiso
 from .matrices import csr_view, mask
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from scipy.sparse import csc_matrix, csr_matrix
+
 PARDISO_PAYS = 30_000  # unknowns; below, NGSolve's sparse Cholesky is as fast or faster (docs/measured.md)
 
 
 class BackSubstitution:
     """K A⁻¹ Kᵀ by one solve for each row of K, with any direct solver of NGSolve."""
 
-    def __init__(self, matrix, inner, K, inverse):
+    def __init__(self, matrix: BaseMatrix, inner: BitArray, K: csc_matrix, inverse: str) -> None:
         self.name, self.K = inverse, K
         self.factors = matrix.Inverse(inner, inverse=inverse)
         self.x, self.r = matrix.CreateColVector(), matrix.CreateColVector()
         self.schur = self.Schur()
-        self.positive = None
+        self.positive: bool | None = None
 
-    def Schur(self):
+    def Schur(self) -> np.ndarray:
         """K A⁻¹ Kᵀ, dense."""
         rows = self.K.tocsr()
         columns = np.array([self.Couple(row.toarray().ravel()) for row in rows])
         S = columns.reshape((rows.shape[0],) * 2)
         return 0.5 * (S + S.T)
 
-    def Solve(self, rhs):
+    def Solve(self, rhs: np.ndarray) -> np.ndarray:
         """A⁻¹ rhs; zero where an unknown is not in the factorisation."""
         self.r.FV().NumPy()[:] = rhs
         self.x.data = self.factors * self.r
         return self.x.FV().NumPy().copy()
 
-    def Couple(self, rhs):
+    def Couple(self, rhs: np.ndarray) -> np.ndarray:
         """K A⁻¹ rhs."""
         return self.K @ self.Solve(rhs)
 
@@ -45,16 +53,16 @@ class BackSubstitution:
 class PartialFactorisation(BackSubstitution):
     """K A⁻¹ Kᵀ from NGSolve's sparse Cholesky factors: one sweep through the blocks that K reaches, all rows at once."""
 
-    def __init__(self, matrix, inner, K):
+    def __init__(self, matrix: BaseMatrix, inner: BitArray, K: csc_matrix) -> None:
         super().__init__(matrix, inner, K, "sparsecholesky")
         self.positive = core.NumNegativePivots(self.factors) == 0
 
-    def Schur(self):
+    def Schur(self) -> np.ndarray:
         """K A⁻¹ Kᵀ, dense."""
         return core.SchurComplement(self.factors, self.K.shape[0], self.K.indptr, self.K.indices, self.K.data)
 
 
-def factorise(matrix: BaseMatrix, inner: BitArray, K: "scipy.sparse.csc_matrix", inverse: str | None) -> DirectSolver:
+def factorise(matrix: BaseMatrix, inner: BitArray, K: scipy.sparse.csc_matrix, inverse: str | None) -> DirectSolver:
     """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy that goes with a direct solver of NGSolve."""
     inverse = inverse or default_inverse(matrix.height)
     if inverse == "sparsecholesky":
@@ -64,7 +72,7 @@ def factorise(matrix: BaseMatrix, inner: BitArray, K: "scipy.sparse.csc_matrix",
     return BackSubstitution(matrix, inner, K, inverse)
 
 
-def default_inverse(size):
+def default_inverse(size: int) -> str:
     """MKL's Pardiso where it is installed and worth it."""
     return "pardiso" if size > PARDISO_PAYS and pardiso.is_available() else "sparsecholesky"
 
@@ -80,14 +88,14 @@ class ReducedVector:
     border: np.ndarray
     crack: np.ndarray
 
-    def __add__(self, other):
+    def __add__(self, other: ReducedVector) -> ReducedVector:
         return ReducedVector(self.rhs + other.rhs, self.border + other.border, self.crack + other.crack)
 
-    def __rmul__(self, factor):
+    def __rmul__(self, factor: float) -> ReducedVector:
         return ReducedVector(factor * self.rhs, factor * self.border, factor * self.crack)
 
 
-def unit_scale(diagonal):
+def unit_scale(diagonal: np.ndarray) -> np.ndarray:
     """1/√|a_ii|, which makes a diagonal of ±1; 1 where it is zero."""
     size = np.sqrt(np.abs(diagonal))
     return 1 / np.where(size > 0, size, 1)
@@ -104,7 +112,9 @@ class Elimination:
     S: dense (m, m).    positive: whether A is positive definite; None if the direct solver does not tell.
     """
 
-    def __init__(self, matrix, free, border=(), C=None, inverse=None):
+    def __init__(
+        self, matrix: BaseMatrix, free: BitArray, border: Sequence[int] | np.ndarray = (), C: csr_matrix | None = None, inverse: str | None = None
+    ) -> None:
         self.matrix, self.C = matrix, scipy.sparse.csr_matrix((0, matrix.height)) if C is None else C
         self.fixed = ~mask(free)
         self.scale = np.where(self.fixed, 0, unit_scale(csr_view(matrix).diagonal()))
@@ -118,7 +128,7 @@ class Elimination:
         self.name = self.factors.name
         self._eliminate_border(self.factors.schur)
 
-    def _eliminate_border(self, schur):
+    def _eliminate_border(self, schur: np.ndarray) -> None:
         t = len(self.border)
         matrix = self.border_rows[:, self.border].toarray() - schur[:t, :t]
         self.border_scale = unit_scale(np.diag(matrix))  # tips with different functions have unknowns of different units
@@ -127,17 +137,17 @@ class Elimination:
         self.S = schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T)
         self.positive = self.factors.positive and bool(np.all(np.linalg.eigvalsh(self.border_matrix) > 0))
 
-    def _at_border(self, forces):
+    def _at_border(self, forces: np.ndarray) -> np.ndarray:
         return (self.border_scale * np.linalg.solve(self.border_matrix, (self.border_scale * forces.T).T).T).T
 
-    def Reduce(self, rhs):
+    def Reduce(self, rhs: np.ndarray) -> ReducedVector:
         """The ReducedVector of a right-hand side of length ndof."""
         t = len(self.border)
         coupled = self.factors.Couple(rhs)
         border = rhs[self.border] - coupled[:t]
         return ReducedVector(rhs, border, coupled[t:] + self.coupling @ self._at_border(border))
 
-    def Recover(self, reduced, L=None):
+    def Recover(self, reduced: ReducedVector, L: np.ndarray | None = None) -> np.ndarray:
         """A⁻¹(F + CᵀL) of a ReducedVector; zero on fixed unknowns."""
         rhs, border = reduced.rhs, reduced.border
         if L is not None:
@@ -147,23 +157,23 @@ class Elimination:
         x[self.border] = at_border
         return x
 
-    def Solve(self, rhs):
+    def Solve(self, rhs: np.ndarray) -> np.ndarray:
         """A⁻¹ rhs; zero on fixed unknowns."""
         return self.Recover(self.Reduce(rhs))
 
-    def SolveRefined(self, rhs):
+    def SolveRefined(self, rhs: np.ndarray) -> np.ndarray:
         """The same with one step of iterative refinement."""
         x = self.Solve(rhs)
         return x + self.Solve(self.Residual(rhs, x))
 
-    def RelativeResidual(self, forces, x):
+    def RelativeResidual(self, forces: Sequence[np.ndarray], x: np.ndarray) -> float:
         """Of A x = Σ forces, each row divided by √A_ii, so that no unit counts; relative to the largest of the terms that cancel."""
         terms = [self.scale * force for force in forces] + [x[~self.fixed] / self.scale[~self.fixed]]
         size = max(np.abs(term).max(initial=0) for term in terms)
-        residual = np.abs(self.scale * self.Residual(sum(forces), x)).max(initial=0)
+        residual = np.abs(self.scale * self.Residual(np.sum(forces, axis=0), x)).max(initial=0)
         return float(residual / size) if size else 0.0
 
-    def Residual(self, rhs, x):
+    def Residual(self, rhs: np.ndarray, x: np.ndarray) -> np.ndarray:
         """rhs - A x on the free unknowns, zero on the others."""
         r, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
         r.FV().NumPy()[:] = x

@@ -1,11 +1,19 @@
 """Vectors and matrices of NGSolve as those of numpy and scipy."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 from ngsolve import CreateVVector, Projector
 
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix, BitArray
+    from scipy.sparse import csc_matrix, csr_matrix
 
-def mask(bits):
+
+def mask(bits: BitArray) -> np.ndarray:
     """A BitArray as a boolean array; by iteration it takes a third of a second for a million."""
     ones, selected = CreateVVector(len(bits)), CreateVVector(len(bits))
     ones[:] = 1
@@ -13,19 +21,19 @@ def mask(bits):
     return selected.FV().NumPy() != 0
 
 
-def to_scipy(matrix):
+def to_scipy(matrix: BaseMatrix) -> csr_matrix:
     """A matrix of NGSolve as a scipy matrix in CSR format."""
     values, columns, rows = matrix.CSR()
     return scipy.sparse.csr_matrix((np.array(values), np.array(columns), np.array(rows)), shape=(matrix.height, matrix.width))
 
 
-def csr_view(matrix):
+def csr_view(matrix: BaseMatrix) -> csr_matrix:
     """The same without a copy: valid as long as the matrix is."""
     values, columns, rows = (np.asarray(part) for part in matrix.CSR())
     return scipy.sparse.csr_matrix((values, columns, rows), shape=(matrix.height, matrix.width), copy=False)
 
 
-def add_to(matrix, other):
+def add_to(matrix: BaseMatrix, other: csc_matrix | csr_matrix) -> None:
     """Adds a scipy matrix with a smaller pattern to a matrix of NGSolve."""
     pattern, other = to_scipy(matrix), other.tocoo()
     width = np.int64(matrix.width)

@@ -15,7 +15,10 @@ each node is open or in contact and sticks, slips in one of two directions, or h
 problem is linear; Newton's method solves it and reads the next states from y, until they repeat.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -24,6 +27,9 @@ from ..arguments import check_positive, check_whole
 from ..errors import NotConverged
 from .active_set import ROUND_OFF
 from .box_path import AT_LOWER, AT_UPPER, INSIDE, follow_path
+
+if TYPE_CHECKING:
+    from ngsolve.comp import SumOfIntegrals
 
 FREE, SLIP_PLUS, SLIP_MINUS, STICK = 0, 1, -1, 2
 
@@ -37,16 +43,16 @@ class Threshold:
     in_contact_only: bool = False
 
     @property
-    def is_fixed(self):
+    def is_fixed(self) -> bool:
         """Whether s does not depend on the solution."""
         return not self.in_contact_only and not self.slope.any()
 
-    def At(self, p_n, contact):
+    def At(self, p_n: np.ndarray, contact: np.ndarray) -> np.ndarray:
         """s for normal values and nodes in contact."""
         base = np.where(contact, self.base, 0) if self.in_contact_only else self.base
         return base + self.slope * np.where(contact, np.maximum(-p_n, 0), 0)
 
-    def Scaled(self, factor):
+    def Scaled(self, factor: float) -> Threshold:
         """For values p / factor."""
         return replace(self, base=self.base / factor)
 
@@ -59,7 +65,7 @@ class States:
     tangential: np.ndarray
 
     @property
-    def key(self):
+    def key(self) -> bytes:
         """For comparison and sets."""
         return self.contact.tobytes() + self.tangential.tobytes()
 
@@ -69,13 +75,13 @@ class NodalResult:
     """p: the solution.  states: of each iteration.  fallback: steps of the safeguard.  method: what led to p, in words."""
 
     p: np.ndarray
-    states: list
+    states: list[States]
     fallback: int = 0
     method: str = ""
-    threshold_changes: list = field(default_factory=list)
+    threshold_changes: list[float] = field(default_factory=list)
 
     @property
-    def iterations(self):
+    def iterations(self) -> int:
         """Sets of states that were tried, the first one among them."""
         return len(self.states)
 
@@ -83,12 +89,12 @@ class NodalResult:
 class Cycle(Exception):
     """Newton's method left its track: a set of states came back, or its matrix was singular."""
 
-    def __init__(self, states, reason):
+    def __init__(self, states: list[States], reason: str) -> None:
         super().__init__(reason)
         self.states = states
 
 
-def solve_states(Q, q, threshold, states):
+def solve_states(Q: np.ndarray, q: np.ndarray, threshold: Threshold, states: States) -> tuple[np.ndarray, np.ndarray]:
     """p and w for given states: w_n = 0 in contact, w_t = 0 where the node sticks, p_n = 0 and p_t = 0, s or -s elsewhere."""
     contact, m = states.contact, len(states.contact)
     stick = states.tangential == STICK
@@ -106,7 +112,7 @@ def solve_states(Q, q, threshold, states):
     return p, w
 
 
-def first_states(Q, q, threshold, contact):
+def first_states(Q: np.ndarray, q: np.ndarray, threshold: Threshold, contact: np.ndarray) -> States:
     """States for given nodes in contact: all nodes with a threshold stick, if that exceeds no threshold; else all slip as without friction.
 
     Slip regions shrink in a few Newton steps, sticking ones from their ends only, a node or two in each step.
@@ -122,7 +128,7 @@ def first_states(Q, q, threshold, contact):
     return States(contact, np.where(has_threshold, np.where(w[m:] > 0, SLIP_MINUS, SLIP_PLUS), FREE))
 
 
-def next_states(p, w, r, threshold, states):
+def next_states(p: np.ndarray, w: np.ndarray, r: np.ndarray, threshold: Threshold, states: States) -> States:
     """The states that y = p - r w asks for; a node changes only by more than round-off."""
     m = len(states.contact)
     y = p - r * w
@@ -135,7 +141,7 @@ def next_states(p, w, r, threshold, states):
     return States(contact, np.where(s > 0, tangential, FREE))
 
 
-def newton(Q, q, threshold, r, start, max_iterations):
+def newton(Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
     """A NodalResult; raises Cycle, and NotConverged after max_iterations.    r: (2m,), positive."""
     states, history, seen = start, [start], {start.key}
     for _ in range(max_iterations):
@@ -157,7 +163,7 @@ def newton(Q, q, threshold, r, start, max_iterations):
     )
 
 
-def safeguarded(Q, q, s, states):
+def safeguarded(Q: np.ndarray, q: np.ndarray, s: np.ndarray, states: States) -> NodalResult:
     """For given thresholds: the path from given states (box_path), p_n ≤ 0 and |p_t| ≤ s being its bounds; a NodalResult."""
     m, tangential = len(s), states.tangential
     lower, upper = np.concatenate([np.full(m, -np.inf), -s]), np.concatenate([np.zeros(m), s])
@@ -168,7 +174,7 @@ def safeguarded(Q, q, s, states):
     return NodalResult(p, [States(found[:m] == INSIDE, np.where(s > 0, slips, FREE))], changes)
 
 
-def fixed_threshold(Q, q, s, r, start, max_iterations):
+def fixed_threshold(Q: np.ndarray, q: np.ndarray, s: np.ndarray, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
     """The problem with given thresholds: Newton's method, and where it cycles a path."""
     threshold = Threshold(s, np.zeros(len(s)))
     try:
@@ -188,11 +194,11 @@ class FixedPoint:
     tolerance: float = 1e-12
     max_iterations: int = 200
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_positive(self.tolerance, "FixedPoint: tolerance")
         check_whole(self.max_iterations, "FixedPoint: max_iterations", 1)
 
-    def Solve(self, Q, q, threshold, r, start, max_iterations):
+    def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
         """A NodalResult; raises NotConverged where the thresholds do not settle."""
         m = len(start.contact)
         s, result, changes = threshold.At(np.zeros(m), start.contact), None, []
@@ -211,11 +217,11 @@ class FixedPoint:
             "and mesh; if it does, allow more by FixedPoint(max_iterations=...)"
         )
 
-    def _settled(self, changes, round_off=1e-9):
+    def _settled(self, changes: list[float], round_off: float = 1e-9) -> bool:
         """Whether the last change is within the tolerance, or small and no longer falling: the round-off of an ill-conditioned Q is all that is left."""
         return changes[-1] <= self.tolerance or (len(changes) > 5 and round_off > changes[-1] > 0.5 * changes[-6])
 
-    def _finished(self, Q, q, threshold, r, result):
+    def _finished(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, result: NodalResult) -> NodalResult:
         """With one Newton step from the states found, if it confirms them: p then satisfies the law to round-off."""
         last = result.states[-1]
         states = States(last.contact, np.where(threshold.At(result.p[: len(last.contact)], last.contact) > 0, last.tangential, FREE))
@@ -236,7 +242,7 @@ class FullNewton:
 
     safeguard: FixedPoint = FixedPoint()
 
-    def Solve(self, Q, q, threshold, r, start, max_iterations):
+    def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
         """A NodalResult; raises NotConverged."""
         if threshold.is_fixed:
             result = fixed_threshold(Q, q, threshold.base, r, start, max_iterations)
@@ -248,7 +254,7 @@ class FullNewton:
             return replace(result, states=cycle.states + result.states, method=f"full Newton until {cycle}, then {result.method}")
 
 
-def violation(p, w, threshold):
+def violation(p: np.ndarray, w: np.ndarray, threshold: Threshold) -> float:
     """The largest violation of the conditions at the nodes, for p and w scaled to 1."""
     m = len(p) // 2
     p_n, p_t, w_n, w_t = p[:m], p[m:], w[:m], w[m:]
@@ -258,7 +264,7 @@ def violation(p, w, threshold):
     return float(max(normal.max(), tangential.max(), 0))
 
 
-def uniqueness_number(Q, slope):
+def uniqueness_number(Q: np.ndarray, slope: np.ndarray) -> float:
     """A number below 1 proves that Coulomb's law has one solution, for all loads: see docs/method.md, section 7.
 
     The difference of two solutions satisfies δp_n δw_n ≤ 0 and δp_t δw_t ≤ slope |δp_n| |δw_t| at each node, δw = Qδp, so
@@ -280,7 +286,7 @@ def uniqueness_number(Q, slope):
     return min(numbers)
 
 
-def _balanced_ratio(normal, tangential, form):
+def _balanced_ratio(normal: np.ndarray, tangential: np.ndarray, form: SumOfIntegrals) -> float:
     """The largest ratio of ½ (τ normal + tangential/τ) to form, or inf where form is not positive."""
     form = 0.5 * (form + form.T)
     try:
@@ -290,6 +296,6 @@ def _balanced_ratio(normal, tangential, form):
         return np.inf
 
 
-def _largest(A, form):
+def _largest(A: np.ndarray, form: SumOfIntegrals) -> float:
     """The largest eigenvalue of A x = θ form x."""
     return float(scipy.linalg.eigvalsh(A, form, subset_by_index=[len(A) - 1, len(A) - 1])[0])

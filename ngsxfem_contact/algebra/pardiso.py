@@ -3,9 +3,12 @@
 Parameters are those of Intel's oneMKL reference, "pardiso iparm Parameter", counted from zero.
 """
 
+from __future__ import annotations
+
 import ctypes
 from functools import cache
 from importlib import metadata
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -13,6 +16,10 @@ from pyngcore import GetNumThreads, SuspendTaskManager
 
 from .. import _ngsxfem_contact as core
 from .matrices import csr_view, mask
+
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix, BitArray
+    from scipy.sparse import csc_matrix
 
 SYMMETRIC_INDEFINITE = -2
 ANALYSE, FACTORISE, FORWARD, BACKWARD, RELEASE = 11, 22, 331, 333, -1
@@ -29,7 +36,7 @@ NEGATIVE_EIGENVALUES = 22
 
 
 @cache
-def library():
+def library() -> Any:
     """The functions of MKL, or None if MKL is not installed."""
     try:
         files = [*(metadata.files("intel_openmp") or []), *(metadata.files("mkl") or [])]
@@ -44,17 +51,17 @@ def library():
         return None
 
 
-def is_available():
+def is_available() -> bool:
     """Whether `pip install mkl` was done, that is `pip install ngsxfem_contact[fast]`."""
     return library() is not None
 
 
-def pointer(array):
+def pointer(array: np.ndarray | None) -> Any:
     """For C; the array must live on."""
     return None if array is None else array.ctypes.data_as(ctypes.c_void_p)
 
 
-def nonzero(values):
+def nonzero(values: Any) -> Any:
     """The values, 1 in place of 0."""
     return np.where(values == 0, 1, values)
 
@@ -69,7 +76,7 @@ class Pardiso:
 
     name = "pardiso"
 
-    def __init__(self, matrix, inner, K):
+    def __init__(self, matrix: BaseMatrix, inner: BitArray, K: csc_matrix) -> None:
         if not is_available():
             raise ImportError('inverse="pardiso" needs MKL: pip install mkl, or pip install "ngsxfem_contact[fast]"')
         self.inner, self.m = mask(inner), K.shape[0]
@@ -92,12 +99,12 @@ class Pardiso:
         self.positive = self._is_positive(scaled)
         self.schur = scaled / self.unit * self.units * self.units[:, None]
 
-    def _is_positive(self, schur):
+    def _is_positive(self, schur: np.ndarray) -> bool:
         """Pardiso counts the negative eigenvalues of the whole matrix, those of -K A⁻¹Kᵀ among them (Sylvester)."""
         values = np.linalg.eigvalsh(schur)
         return int(self.parameters[NEGATIVE_EIGENVALUES]) <= int((values > 1e-10 * np.abs(values).max(initial=0)).sum())
 
-    def _call(self, phase, rhs=None, solution=None):
+    def _call(self, phase: int, rhs: np.ndarray | None = None, solution: np.ndarray | None = None) -> None:
         integer = lambda number: ctypes.byref(ctypes.c_int(number))
         mkl, error, suspended = library(), ctypes.c_int(0), SuspendTaskManager()
         threads = mkl.MKL_Set_Num_Threads_Local(GetNumThreads())
@@ -111,17 +118,17 @@ class Pardiso:
         if error.value and phase != RELEASE:
             raise RuntimeError(f"MKL Pardiso: error {error.value} in phase {phase}; inverse='sparsecholesky' does without MKL")
 
-    def _forward(self, rhs):
+    def _forward(self, rhs: np.ndarray) -> np.ndarray:
         padded, result = np.zeros(self.size), np.zeros(self.size)
         padded[: self.size - self.m] = rhs[self.inner] / self.unit
         self._call(FORWARD, padded, result)
         return result
 
-    def Couple(self, rhs):
+    def Couple(self, rhs: np.ndarray) -> np.ndarray:
         """K A⁻¹ rhs."""
         return -self._forward(rhs)[self.size - self.m :] * self.units
 
-    def Solve(self, rhs):
+    def Solve(self, rhs: np.ndarray) -> np.ndarray:
         """A⁻¹ rhs; zero where an unknown is not in the factorisation."""
         half, result, x = self._forward(rhs), np.zeros(self.size), np.zeros(len(self.inner))
         half[self.size - self.m :] = 0
@@ -129,6 +136,6 @@ class Pardiso:
         x[self.inner] = result[: self.size - self.m]
         return x
 
-    def __del__(self):
+    def __del__(self) -> None:
         if getattr(self, "handle", np.zeros(1)).any():
             self._call(RELEASE)

@@ -1,6 +1,9 @@
 """What can be wrong with a problem before it is solved: each is named, none is a warning."""
 
+from __future__ import annotations
+
 import logging
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -16,10 +19,18 @@ from .contact_system import stiffness_form
 from .mixed_system import LocalPressures
 from .stabilisation import trait
 
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix, BitArray, CoefficientFunction
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackFESpace, TraceSpace
+    from .contact_system import ContactSystem
+    from .problem import ContactProblem
+
 logger = logging.getLogger(__name__)
 
 
-def check_gap(system):
+def check_gap(system: ContactSystem) -> None:
     """Raises ValueError for an initial gap that is not finite, or negative somewhere."""
     gap = system.G[: system.nodes.ndof]
     if not np.isfinite(gap).all():
@@ -28,21 +39,21 @@ def check_gap(system):
         raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
 
 
-def check_load(F, given):
+def check_load(F: np.ndarray, given: np.ndarray) -> None:
     """Raises ValueError for a load or given displacements, arrays, that are not finite."""
     for values, what, where in ((F, "the load `f`", "its coefficient functions on the whole body"), (given, "a given displacement", "Pin and SetDirichlet")):
         if not np.isfinite(values).all():
             raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
 
 
-def check_energies(F, given, stiffness):
+def check_energies(F: np.ndarray, given: np.ndarray, stiffness: BaseMatrix) -> None:
     """Raises ValueError for a load or given displacements whose energies with an NGSolve matrix double precision cannot hold."""
     scale = unit_scale(csr_view(stiffness).diagonal())
     check_size(F * scale, "the load `f`")
     check_size(given / scale, "a given displacement")
 
 
-def check_size(roots, what, limit=1e145):
+def check_size(roots: np.ndarray, what: str, limit: float = 1e145) -> None:
     """Raises ValueError if the square of the largest value, an energy, is too small or too large for double precision; zero is neither."""
     largest = np.abs(roots).max(initial=0)
     if largest and not 1 / limit < largest < limit:
@@ -50,7 +61,7 @@ def check_size(roots, what, limit=1e145):
         raise ValueError(f"{what} is too {size}: its energy is about ({largest:.1e})², beyond double precision; take other units of length or stress")
 
 
-def check_rigid_motions(problem):
+def check_rigid_motions(problem: ContactProblem) -> None:
     """Raises SingularSystem if a rigid motion of the body is not held, or of a part that cracks cut off or that hangs on others by points."""
     free = RigidMotions(problem.V).Free(~mask(problem.free), problem.a)
     if free is None:
@@ -67,7 +78,7 @@ def check_rigid_motions(problem):
     )
 
 
-def check_multiplier(Q, stabilised, tolerance=1e-10):
+def check_multiplier(Q: np.ndarray, stabilised: bool, tolerance: float = 1e-10) -> None:
     """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable.    stabilised: by some γ."""
     scale = 1 / np.sqrt(np.maximum(np.diag(Q), np.finfo(float).tiny))
     values = np.linalg.eigvalsh(0.5 * (Q + Q.T) * scale[:, None] * scale)
@@ -81,7 +92,7 @@ def check_multiplier(Q, stabilised, tolerance=1e-10):
         )
 
 
-def check_coercive(problem, elimination):
+def check_coercive(problem: ContactProblem, elimination: Elimination) -> None:
     """Raises NotCoercive for a γ for which K - K_γ is not positive definite (against K)."""
     stabilisation = problem.stabilisation
     proved = elimination.positive and not trait(stabilisation, "needs_eigenvalue")
@@ -93,7 +104,7 @@ def check_coercive(problem, elimination):
         raise NotCoercive(f"γ is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; {remedy}")
 
 
-def Coercivity(problem):
+def Coercivity(problem: ContactProblem) -> float:
     """The smallest eigenvalue of K - K_γ against K, (13) of [AHLMR12]: 1 - θ; negative where γ is too large.
 
     Raises SingularSystem if rigid motions are left free.
@@ -113,11 +124,11 @@ def Coercivity(problem):
     return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, Unknowns(V).tips), mask(problem.free))
 
 
-def largest_eigenvalue(A, M, M_inverse, free):
+def largest_eigenvalue(A: csr_matrix, M: BaseMatrix, M_inverse: Elimination, free: BitArray) -> float:
     """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M NGSolve's, its inverse an Elimination."""
     x, y = M.CreateColVector(), M.CreateColVector()
 
-    def multiply(array):
+    def multiply(array: np.ndarray) -> np.ndarray:
         x.FV().NumPy()[:] = np.where(free, array.ravel(), 0)
         y.data = M * x
         return np.where(free, y.FV().NumPy(), 0)
@@ -129,7 +140,7 @@ def largest_eigenvalue(A, M, M_inverse, free):
     return float(scipy.sparse.linalg.eigsh(restricted, k=1, M=operator(multiply), Minv=inverse, which="LA", v0=start, tol=1e-8)[0][0])
 
 
-def InfSup(V, W, weight=specialcf.mesh_size):
+def InfSup(V: CrackFESpace, W: TraceSpace, weight: CoefficientFunction = specialcf.mesh_size) -> float:
     """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular. Dense algebra of the size of W.
 
     V: CrackFESpace.    W: TraceSpace on the same body.    Raises ValueError for a weight that is not positive and finite.

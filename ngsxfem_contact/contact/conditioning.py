@@ -5,6 +5,10 @@ enough. All Heaviside unknowns together are one block, orthonormalised by its ow
 large as the crack is long), the tips' unknowns are another; each φ_i is scaled by itself.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import BitArray
 from ngsolve.la import DiagonalMatrix, EigenValues_Preconditioner
@@ -15,8 +19,16 @@ from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
 from .checks import check_rigid_motions
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
-def CrackScaling(matrix, V, free=None):
+    from ngsolve import BaseMatrix
+
+    from .._ngsxfem_contact import CrackFESpace
+    from .problem import ContactProblem
+
+
+def CrackScaling(matrix: BaseMatrix, V: CrackFESpace, free: BitArray | None = None) -> BaseMatrix:
     """The inverse of the block diagonal part, an NGSolve matrix: a preconditioner, or with S Sᵀ equal to it the scaling Sᵀ A S.
 
     matrix: symmetric positive definite, of a form on V (K - K_γ, a mass matrix).    free: default V.FreeDofs(); functions
@@ -36,7 +48,7 @@ def CrackScaling(matrix, V, free=None):
     return sum(blocks, start=matrix.CreateSmoother(others))
 
 
-def scaling(matrix):
+def scaling(matrix: BaseMatrix) -> list[BaseMatrix]:
     """The diagonal matrices 1/√a_ii and √a_ii."""
     scale = unit_scale(csr_view(matrix).diagonal())
     matrices = []
@@ -47,13 +59,13 @@ def scaling(matrix):
     return matrices
 
 
-def scaling_blocks(V):
+def scaling_blocks(V: CrackFESpace) -> tuple[Sequence[int], Sequence[int]]:
     """The unknowns of the Heaviside functions, and those of the tips."""
     unknowns = Unknowns(V)
     return range(unknowns.heaviside.start, unknowns.heaviside.stop), unknowns.tips.tolist()
 
 
-def ConditionNumber(problem):
+def ConditionNumber(problem: ContactProblem) -> float:
     """The condition number of K - K_γ after CrackScaling, on the free unknowns of a ContactProblem, by Lanczos.
 
     Raises SingularSystem if rigid motions are left free.

@@ -4,24 +4,30 @@ Each cone is {L = T p, p ≤ 0}: the condition L ∈ M⁻, (L' - L)ᵀ r ≥ 0 f
 p·Tᵀr = 0 for each component, which one active-set method solves for all cones.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..protocols import Cone
 from ..spaces.trace_space import mass_matrix
 
+if TYPE_CHECKING:
+    from ..protocols import Nodes
+
 
 @dataclass(frozen=True)
 class Nonpositive:
     """M₀⁻ (9) and M₁⁻ (10): λ ≤ 0 at every node."""
 
-    def Transformation(self, W):
+    def Transformation(self, W: Nodes) -> np.ndarray:
         """T, dense; p are the nodal values."""
         values = W.NodalValues()
         return np.eye(W.ndof) if values is None else np.linalg.inv(values)
 
-    def Values(self, W, nodal):
+    def Values(self, W: Nodes, nodal: np.ndarray) -> np.ndarray:
         """The p of a function with the given nodal values."""
         return nodal
 
@@ -30,7 +36,7 @@ class Nonpositive:
 class Weak:
     """M₁*⁻ (11): ∫λψ ≥ 0 for all ψ in M₁⁻, that is p = ∫λψ_i ≤ 0 for the nodal functions ψ_i."""
 
-    def Transformation(self, W):
+    def Transformation(self, W: Any) -> np.ndarray:
         """T = M⁻¹ for nodal functions; with N their values at the nodes, (N⁻ᵀM)⁻¹ for others."""
         values = W.NodalValues()
         mass = mass_matrix(W).toarray()
@@ -38,7 +44,7 @@ class Weak:
             mass = np.linalg.solve(values.T, mass)
         return np.linalg.inv(mass)
 
-    def Values(self, W, nodal):
+    def Values(self, W: Any, nodal: np.ndarray) -> np.ndarray:
         """The p of a function with the given nodal values: its moments ∫ f ψ_i."""
         values = W.NodalValues()
         coefficients = nodal if values is None else np.linalg.solve(values, nodal)

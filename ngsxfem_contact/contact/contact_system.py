@@ -1,6 +1,9 @@
 """The matrices of (38) of [AHLMR12] and the loads that go with them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -10,6 +13,17 @@ from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
 from ..spaces.incompressible import stress_power
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackBilinearForm
+    from ..loads.load import LoadTerms
+    from ..operators import Component
+    from ..protocols import Cone, Nodes
+    from .problem import ContactProblem
+
 
 @dataclass
 class GivenTraction:
@@ -18,10 +32,10 @@ class GivenTraction:
     F: np.ndarray
     G: np.ndarray
 
-    def __add__(self, other):
+    def __add__(self, other: GivenTraction) -> GivenTraction:
         return GivenTraction(self.F + other.F, self.G + other.G)
 
-    def __rmul__(self, factor):
+    def __rmul__(self, factor: float) -> GivenTraction:
         return GivenTraction(factor * self.F, factor * self.G)
 
 
@@ -36,7 +50,9 @@ class ContactSystem:
     ∫γψ_i R_t, R_t = σ_t of the larger part, and K_γ = ∫γ (R_n R_n + R_t R_t).
     """
 
-    def __init__(self, problem):
+    nodes: Nodes
+
+    def __init__(self, problem: ContactProblem) -> None:
         self.problem, self.components = problem, problem.friction.components
         self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
         self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()
@@ -45,7 +61,7 @@ class ContactSystem:
         self.G = np.zeros(self.E.shape[0])
         self.G[: self.nodes.ndof] = self.InitialGap(problem)
 
-    def _assemble(self, problem):
+    def _assemble(self, problem: ContactProblem) -> None:
         """nodes, stiffness, E, D, weights."""
         V, W = problem.V, problem.W
         u, v = V.TnT()
@@ -60,7 +76,7 @@ class ContactSystem:
         self.D = scipy.sparse.block_diag([mass] * len(self.components), format="csr")
         self.weights = np.tile(LinearForm(mu * self.dcrack).Assemble().vec.FV().NumPy(), len(self.components))
 
-    def _coupling(self, problem, component):
+    def _coupling(self, problem: ContactProblem, component: Component) -> csr_matrix:
         """The rows of B - C_γ of one component."""
         V, W = problem.V, problem.W
         u, mu = V.TrialFunction(), W.TestFunction()
@@ -70,63 +86,63 @@ class ContactSystem:
             coupling += -self.gamma * mu * self.traction.Summed(u, component) * self.dcrack
         return to_scipy(coupling.Assemble().mat)
 
-    def CheckCone(self, cone):
+    def CheckCone(self, cone: Cone) -> None:
         """Raises ValueError for a cone that does not go with the system; a multiplier may have any."""
 
-    def InitialGap(self, problem):
+    def InitialGap(self, problem: ContactProblem) -> np.ndarray:
         """∫ψ_i g_0."""
         mu = problem.W.TestFunction()
         return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
 
-    def Given(self, load):
+    def Given(self, load: LoadTerms) -> GivenTraction:
         """The GivenTraction of LoadTerms: zero where nothing is given on the faces, and without γ."""
         if self.gamma is None or not load.acts_on_faces:
             return GivenTraction(np.zeros(self.problem.V.ndof), np.zeros(self.E.shape[0]))
         shift = lambda component, side: load.Shift(component, side, self.problem.body)
         return GivenTraction(self._given_forces(shift), np.concatenate([self._given_moments(component, shift) for component in self.components]))
 
-    def _given_forces(self, shift):
+    def _given_forces(self, shift: Callable[..., Any]) -> np.ndarray:
         """Σ ∫γ r_0 R_h(v)."""
         v = self.problem.V.TestFunction()
         form = LinearForm(self.gamma * self.traction.WithGiven(v, self.components, shift) * self.dcrack)
         return form.Assemble().vec.FV().NumPy().copy()
 
-    def _given_moments(self, component, shift):
+    def _given_moments(self, component: Component, shift: Callable[..., Any]) -> np.ndarray:
         """∫γ r_0 ψ_i of one component."""
         mu = self.problem.W.TestFunction()
         return LinearForm(self.gamma * self.traction.Given(component, shift) * mu * self.dcrack).Assemble().vec.FV().NumPy().copy()
 
-    def Function(self, problem, values, name):
+    def Function(self, problem: ContactProblem, values: np.ndarray, name: str) -> GridFunction:
         """The GridFunction of W for one component of L."""
         function = GridFunction(problem.W, name)
         function.vec.FV().NumPy()[:] = values
         return function
 
     @property
-    def C(self):
+    def C(self) -> csr_matrix:
         """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E."""
         return self.E
 
-    def Distribute(self, L):
+    def Distribute(self, L: np.ndarray) -> np.ndarray:
         """The coefficients of C's rows in the forces on the displacements, Cᵀ Distribute(L)."""
         return L
 
-    def Forces(self, L):
+    def Forces(self, L: np.ndarray) -> np.ndarray:
         """What L exerts on the displacements, (B - C_γ)ᵀ L."""
         return self.C.T @ self.Distribute(L)
 
-    def Stiffness(self, U):
+    def Stiffness(self, U: np.ndarray) -> np.ndarray:
         """(K - K_γ) U for an array U."""
         self._x.FV().NumPy()[:] = U
         self._y.data = self.stiffness * self._x
         return self._y.FV().NumPy().copy()
 
-    def Moments(self, U, L):
+    def Moments(self, U: np.ndarray, L: np.ndarray) -> np.ndarray:
         """(B - C_γ) U + D_γ L of the second row of (38)."""
         return self.E @ U + self.D @ L
 
 
-def stiffness_form(problem):
+def stiffness_form(problem: ContactProblem) -> CrackBilinearForm:
     """a(u, v) with the terms of problem.a, not assembled."""
     u, v = problem.V.TnT()
     form = core.CrackBilinearForm(problem.V, symmetric=True)

@@ -4,18 +4,27 @@ The tangential multiplier λ_t approximates σ_t = t·σn. It has the sign of th
 pulled by -σn, against its motion relative to the minus side.
 """
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
 from ngsolve import CoefficientFunction
 
+from ..algebra import nodal_newton
 from ..algebra.active_set import solve_active_set
 from ..algebra.nodal_newton import FixedPoint, FullNewton, Threshold, first_states, uniqueness_number, violation
 from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
 from ..points import crack_points
+
+if TYPE_CHECKING:
+    from ..material import Coefficient
+    from ..protocols import Cone, FaceLaw, Nodes
+    from .report import Report
 
 
 @dataclass(frozen=True)
@@ -25,17 +34,17 @@ class Frictionless:
     components = (NORMAL,)
     depends_on_path = False
 
-    def Solve(self, Q, q, W, cone, report, start, max_iterations):
+    def Solve(self, Q: np.ndarray, q: np.ndarray, W: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
         """p; books its iterations in the report."""
         result = solve_active_set(Q, q, start, max_iterations)
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
         return result.p
 
-    def Work(self, p, w, W, cone, before):
+    def Work(self, p: np.ndarray, w: np.ndarray, W: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
         """Nothing is dissipated."""
         return 0.0, 0.0
 
-    def Violation(self, p, w, scale, W, cone):
+    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, W: Nodes, cone: Cone) -> float:
         """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, for p and w divided by their scales."""
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
 
@@ -48,7 +57,7 @@ class Friction(ABC):
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
 
-    def Solve(self, Q, q, W, cone, report, start, max_iterations):
+    def Solve(self, Q: np.ndarray, q: np.ndarray, W: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
         """p = (p_n, p_t); books its iterations in the report.    start: nodes in contact at first."""
         threshold = self.Threshold(W, cone)
         contact = np.array(start, dtype=bool)
@@ -62,7 +71,7 @@ class Friction(ABC):
         report.uniqueness = self.Uniqueness(Q, threshold)
         return result.p
 
-    def Work(self, p, w, W, cone, before):
+    def Work(self, p: np.ndarray, w: np.ndarray, W: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
         """(∫λ_t Δg_t of a step, how far it may be off).    w: minus the weighted gaps and slips.    before: p of the last step, or None.
 
         What slips does so at |λ_t| = s. While s changes, the trapezoidal rule takes the mean of s before and after; without a step before
@@ -76,14 +85,14 @@ class Friction(ABC):
         return float(end.sum() + (0 if before is None else change.sum())), float(np.abs(change).sum())
 
     @abstractmethod
-    def Threshold(self, W, cone):
+    def Threshold(self, W: Nodes, cone: Cone) -> nodal_newton.Threshold:
         """The `nodal_newton.Threshold` of the tangential multiplier at the nodes of W."""
 
     @abstractmethod
-    def Uniqueness(self, Q, threshold) -> float | None:
+    def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
         """A number below 1 proves that there is one solution; None: not known."""
 
-    def Violation(self, p, w, scale, W, cone):
+    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, W: Nodes, cone: Cone) -> float:
         """The largest violation of the nodal conditions, for p and w divided by their scales."""
         return violation(p, w, self.Threshold(W, cone).Scaled(scale))
 
@@ -102,14 +111,14 @@ class Tresca(Friction):
 
     method = FullNewton()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_threshold(self.s, "Tresca: s")
 
-    def Threshold(self, W, cone):
+    def Threshold(self, W: Nodes, cone: Cone) -> nodal_newton.Threshold:
         """s at the nodes, or ∫sψ_i for the weak cone."""
         return Threshold(cone.Values(W, checked_values(W, self.s, "Tresca: s")), np.zeros(W.ndof), self.in_contact_only)
 
-    def Uniqueness(self, Q, threshold):
+    def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
         """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise."""
         return 0.0 if threshold.is_fixed else None
 
@@ -127,28 +136,28 @@ class Coulomb(Friction):
     mu_f: float | CoefficientFunction
     method: FullNewton | FixedPoint = FullNewton()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_threshold(self.mu_f, "Coulomb: mu_f")
         if not hasattr(self.method, "Solve") or isinstance(self.method, type):
             raise TypeError(f"Coulomb: method={self.method!r} is neither FullNewton() nor FixedPoint()")
 
-    def Threshold(self, W, cone):
+    def Threshold(self, W: Nodes, cone: Cone) -> nodal_newton.Threshold:
         """s = μ_f |p_n| at the nodes."""
         return Threshold(np.zeros(W.ndof), checked_values(W, self.mu_f, "Coulomb: mu_f"))
 
-    def Uniqueness(self, Q, threshold):
+    def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float:
         """See nodal_newton.uniqueness_number."""
         return uniqueness_number(Q, threshold.slope)
 
 
-def check_threshold(value, name):
+def check_threshold(value: Coefficient, name: str) -> None:
     """Raises for a number that is negative or not finite, and for what is neither a number nor a scalar function."""
     check_function(value, name, 1)
     if not isinstance(value, CoefficientFunction):
         check_number(value, name, lambda number: 0 <= number < INFINITY, "be a finite number >= 0")
 
 
-def checked_values(W, function, name):
+def checked_values(W: Nodes, function: Coefficient, name: str) -> np.ndarray:
     """Values at the multiplier's nodes, (W.ndof,); raises ValueError for values that are negative or not finite."""
     if not isinstance(function, CoefficientFunction):
         return np.full(W.ndof, float(function))
@@ -161,6 +170,6 @@ def checked_values(W, function, name):
     return values
 
 
-def transformation(friction, cone, W):
+def transformation(friction: FaceLaw, cone: Cone, W: Nodes) -> np.ndarray:
     """L = T p for all components of the multiplier."""
     return scipy.linalg.block_diag(*[cone.Transformation(W)] * len(friction.components))

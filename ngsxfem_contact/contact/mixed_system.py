@@ -9,6 +9,10 @@ the saddle point is convex in u and concave in (λ, π) for γ ~ h/μ. Eliminati
 normal tractions become ∫γ a b - ⟨a⟩·M⁻¹⟨b⟩, ⟨a⟩ = ∫_Γ γ a q, M = ∫ q q/λ_L + ∫_Γ γ q q. The stress on these parts is σ(u) + π I.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import scipy
 from ngsolve import L2, VOL, BilinearForm, BitArray, ElementId, GridFunction, IfPos, LinearForm
@@ -20,8 +24,18 @@ from ..spaces.incompressible import projection_degree
 from .contact_system import ContactSystem
 from .stabilisation import carries_pressure, crack_elements
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-def bits(size, numbers):
+    from ngsolve import CoefficientFunction
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, CutDifferentialSymbol, ElementLocation, TraceSpace
+    from ..operators import Component
+    from .problem import ContactProblem
+
+
+def bits(size: int, numbers: list[int]) -> BitArray:
     """A BitArray with some bits set."""
     chosen = BitArray(size)
     chosen.Clear()
@@ -36,7 +50,7 @@ class LocalPressures:
     problem: ContactProblem.    gamma: γ.
     """
 
-    def __init__(self, problem, gamma):
+    def __init__(self, problem: ContactProblem, gamma: CoefficientFunction) -> None:
         self.problem, self.gamma = problem, gamma
         self.space = L2(problem.body.mesh, order=projection_degree(problem.V))
         self.locations = [T for T, used in zip(crack_elements(problem.body), carries_pressure(problem.V, problem.material)) if used]
@@ -45,7 +59,7 @@ class LocalPressures:
         self.elements = bits(problem.body.mesh.ne, elements)
         self.inverse = self._inverse()
 
-    def _inverse(self):
+    def _inverse(self) -> csr_matrix:
         """M⁻¹."""
         q, p = self.space.TnT()
         body, compliance = self.problem.body, self.problem.material.compliance
@@ -60,30 +74,30 @@ class LocalPressures:
         return scipy.sparse.bsr_matrix((np.linalg.inv(blocks), count[:-1], count), shape=(self.dofs.size, self.dofs.size)).tocsr()
 
     @property
-    def _crack(self):
+    def _crack(self) -> CutDifferentialSymbol:
         return self.problem.W.dcrack(space=self.problem.V, definedonelements=self.elements)
 
-    def Moments(self, f):
+    def Moments(self, f: CoefficientFunction) -> np.ndarray:
         """⟨f⟩ of a CoefficientFunction."""
         return LinearForm(self.gamma * f * self.space.TestFunction() * self._crack).Assemble().vec.FV().NumPy()[self.dofs.ravel()]
 
-    def MomentRows(self, space, operator):
+    def MomentRows(self, space: CrackFESpace | TraceSpace, operator: Callable[..., Any]) -> csr_matrix:
         """⟨operator(u)⟩ of the functions u of a space, a scipy matrix."""
         form = BilinearForm(trialspace=space, testspace=self.space)
         form += self.gamma * operator(space.TrialFunction()) * self.space.TestFunction() * self._crack
         return to_scipy(form.Assemble().mat)[self.dofs.ravel()]
 
-    def TractionRows(self):
+    def TractionRows(self) -> csr_matrix:
         """⟨R_h(u)⟩ of the functions of V."""
         traction = self.problem.ComparedTraction()
         return self.MomentRows(self.problem.V, lambda u: traction.Summed(u, NORMAL))
 
-    def Stiffness(self):
+    def Stiffness(self) -> csr_matrix:
         """⟨R_h(u)⟩·M⁻¹⟨R_h(v)⟩: what π takes from K_γ, a scipy matrix."""
         R = self.TractionRows()
         return R.T @ self.inverse @ R
 
-    def Fit(self, f):
+    def Fit(self, f: CoefficientFunction) -> PressureField:
         """π for f = λ - R_h(u) - r_0, a function on the cracks: a PressureField."""
         function = GridFunction(self.space)
         function.vec.FV().NumPy()[self.dofs.ravel()] = self.inverse @ self.Moments(f)
@@ -93,10 +107,10 @@ class LocalPressures:
 class PressureField:
     """π in the body and on the faces: zero on the smaller part of a divided element."""
 
-    def __init__(self, body, function, locations):
+    def __init__(self, body: CrackedMesh, function: GridFunction, locations: list[ElementLocation]) -> None:
         self.body, self.function, self.locations = body, function, locations
 
-    def At(self, side):
+    def At(self, side: str | None) -> CoefficientFunction:
         """On a side, or None: by the position of the point."""
         if side == "larger":
             return self.function
@@ -106,7 +120,7 @@ class PressureField:
             self._indicator(None, c) * IfPos(crack.side, self._indicator("plus"), self._indicator("minus")) for c, crack in enumerate(self.body.cracks)
         )
 
-    def _indicator(self, side, crack=None):
+    def _indicator(self, side: str | None, crack: int | None = None) -> GridFunction:
         """1 on elements whose larger part is on a side, or that a crack meets."""
         indicator = GridFunction(L2(self.body.mesh, order=0))
         for T in self.locations:
@@ -119,7 +133,7 @@ class PressureField:
 class MixedSystem(ContactSystem):
     """The blocks of (38) with the changed products; see the module."""
 
-    def _assemble(self, problem):
+    def _assemble(self, problem: ContactProblem) -> None:
         super()._assemble(problem)
         self.pressures = LocalPressures(problem, self.gamma)
         self.R = self.pressures.TractionRows()
@@ -131,13 +145,13 @@ class MixedSystem(ContactSystem):
         normal = self.D[:n, :n] - self.T.T @ MT
         self.D = scipy.sparse.block_diag([normal, self.D[n:, n:]], format="csr") if self.D.shape[0] > n else normal.tocsr()
 
-    def _given_forces(self, shift):
+    def _given_forces(self, shift: Callable[..., Any]) -> np.ndarray:
         return super()._given_forces(shift) - self.R.T @ self._given(shift)
 
-    def _given_moments(self, component, shift):
+    def _given_moments(self, component: Component, shift: Callable[..., Any]) -> np.ndarray:
         moments = super()._given_moments(component, shift)
         return moments - self.T.T @ self._given(shift) if component is NORMAL else moments
 
-    def _given(self, shift):
+    def _given(self, shift: Callable[..., Any]) -> np.ndarray:
         """M⁻¹⟨r_0⟩."""
         return self.pressures.inverse @ self.pressures.Moments(self.traction.Given(NORMAL, shift))

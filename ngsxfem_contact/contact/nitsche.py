@@ -12,7 +12,10 @@ positive definite for θ = 1 and K_γ < K, for θ = 0 and K_γ < 4K, and for θ 
 solution for given thresholds and the nodal methods end.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -28,6 +31,18 @@ from ..spaces.trace_space import mass_matrix
 from .cones import Nonpositive
 from .contact_system import ContactSystem, stiffness_form
 from .stabilisation import BarbosaHughes, Defaults
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace
+    from ..loads.face_traction import Joint
+    from ..material import Isotropic
+    from ..operators import Component
+    from ..protocols import Cone
+    from .problem import ContactProblem
 
 
 @dataclass(frozen=True)
@@ -46,7 +61,7 @@ class Nitsche(Defaults):
 
     sides = {"larger": 1}
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.theta not in (-1, 0, 1):
             raise ValueError(f"Nitsche: theta={self.theta} is not one of -1, 0, 1")
         if self.points is not None:
@@ -56,37 +71,37 @@ class Nitsche(Defaults):
         check_number(self.coercivity, "Nitsche: coercivity", lambda coercivity: 0 < coercivity < 1, "lie between 0 and 1")
 
     @property
-    def _barbosa_hughes(self):
+    def _barbosa_hughes(self) -> WholeTraction:
         return WholeTraction(self.gamma0, self.coercivity)
 
-    def Gamma(self, V, material, components=(NORMAL,)):
+    def Gamma(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> CoefficientFunction:
         """γ as a CoefficientFunction on the elements that the cracks meet."""
         return self._barbosa_hughes.Gamma(V, material, components)
 
-    def IsSafe(self, V, material, components=(NORMAL,)):
+    def IsSafe(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> bool:
         """Whether the method is known to have one solution without an eigenvalue problem on the whole body."""
         return self.theta == -1 or self._barbosa_hughes.IsSafe(V, material, components)
 
     @property
-    def needs_eigenvalue(self):
+    def needs_eigenvalue(self) -> bool:
         """θ = 0: its factorised matrix K is positive for every γ, which shows nothing."""
         return self.theta == 0
 
-    def Remedy(self, smallest):
+    def Remedy(self, smallest: float) -> str:
         """A smaller γ, or θ = -1."""
         if self.gamma0 is None:
             return f"γ was chosen element by element for a coercivity of {1 - self.coercivity:g}: take a smaller coercivity=..., or theta=-1"
         return self._barbosa_hughes.Remedy(smallest) + ", or theta=-1, which allows every γ"
 
-    def System(self, problem):
+    def System(self, problem: ContactProblem) -> NitscheSystem:
         """The matrices of the problem: a NitscheSystem."""
-        return NitscheSystem(problem)
+        return NitscheSystem(problem, self)
 
 
 class WholeTraction(BarbosaHughes):
     """γ for a law at points, which leaves no room for a pressure of its own: it falls like h/λ_L where the material is nearly incompressible."""
 
-    def Law(self, V, material):
+    def Law(self, V: CrackFESpace, material: Isotropic) -> Isotropic:
         """The material."""
         return material
 
@@ -97,7 +112,7 @@ class CrackPoints:
     ndof: their number.    weights: (ndof,).    points: for NGSolve's functions.
     """
 
-    def __init__(self, body, number):
+    def __init__(self, body: CrackedMesh, number: int) -> None:
         rules = [rule(body.MeshNodes(c, True), [tip.s for tip in body.tips if tip.crack == c], number) for c in range(len(body.cracks))]
         self.body, self.positions = body, [s for s, _ in rules]
         self.weights = np.concatenate([w for _, w in rules])
@@ -105,19 +120,19 @@ class CrackPoints:
         points = [crack_points(body, c, s) for c, s in enumerate(self.positions)]
         self.points = np.concatenate(points).astype(points[0].dtype)  # concatenate drops the padding of NGSolve's mesh points
 
-    def NodalPositions(self):
+    def NodalPositions(self) -> list[np.ndarray]:
         """For each crack the arc lengths."""
         return self.positions
 
-    def NodalValues(self):
+    def NodalValues(self) -> None:
         """None: values are coefficients."""
         return None
 
-    def Values(self, function):
+    def Values(self, function: CoefficientFunction) -> np.ndarray:
         """Of a scalar CoefficientFunction, (ndof,)."""
         return function(self.points).ravel()
 
-    def Rows(self, V, operator):
+    def Rows(self, V: CrackFESpace, operator: str) -> list[csr_matrix]:
         """The values of an operator of V at the points: for each of its components a sparse matrix (ndof, V.ndof)."""
         evaluator = V.TrialFunction().Operator(operator).__diffop__()
         blocks, columns = [], []
@@ -132,7 +147,7 @@ class CrackPoints:
         ]
 
 
-def rule(nodes, tips, number):
+def rule(nodes: Any, tips: list[float], number: int) -> tuple[np.ndarray, np.ndarray]:
     """Arc lengths and weights of Gauss points on each interval, in the square root of the distance to the nearest tip if there is one."""
     nodes = np.array(nodes)
     middle = 0.5 * sum(tips)
@@ -159,19 +174,24 @@ class GivenJump:
 
     jump: CoefficientFunction
 
-    def Operator(self, name):
+    def Operator(self, name: str) -> CoefficientFunction:
         """The jump, whatever the operator."""
         return self.jump
 
 
 class NitscheSystem(ContactSystem):
-    """The blocks at the points of the crack; see the module."""
+    """The blocks at the points of the crack; see the module.    method: Nitsche, its θ and the number of its points."""
 
-    def _assemble(self, problem):
+    nodes: CrackPoints
+
+    def __init__(self, problem: ContactProblem, method: Nitsche) -> None:
+        self.method, self.theta = method, method.theta
+        super().__init__(problem)
+
+    def _assemble(self, problem: ContactProblem) -> None:
         self.CheckCone(problem.cone)
-        V, method, components = problem.V, problem.stabilisation, problem.friction.components
-        self.theta = method.theta
-        self.nodes = nodes = CrackPoints(problem.body, method.points or V.order + 3)
+        components = problem.friction.components
+        self.nodes = nodes = CrackPoints(problem.body, self.method.points or problem.V.order + 3)
         omega, gamma = nodes.weights, nodes.Values(self.gamma)
         jumps, tractions = component_rows(problem, nodes)
         weighted = [scipy.sparse.diags(-omega * gamma) @ R for R in tractions]
@@ -182,25 +202,25 @@ class NitscheSystem(ContactSystem):
         self.stiffness = stiffness_form(problem).Assemble().mat
         add_to(self.stiffness, -self.theta * (self.R.T @ scipy.sparse.diags(1 / self.D.diagonal()) @ self.R))
 
-    def _given_moments(self, component, shift):
+    def _given_moments(self, component: Component, shift: Callable[..., Any]) -> np.ndarray:
         """ωγ r_0 of one component."""
         return self.nodes.weights * self.nodes.Values(self.gamma * self.traction.Given(component, shift))
 
-    def _given_forces(self, shift):
+    def _given_forces(self, shift: Callable[..., Any]) -> np.ndarray:
         """θ ∫γ r_0 R_h(v) = -θ Rᵀ r_0."""
         values = np.concatenate([self.nodes.Values(self.traction.Given(component, shift)) for component in self.components])
         return -self.theta * (self.R.T @ values)
 
-    def CheckCone(self, cone):
+    def CheckCone(self, cone: Cone) -> None:
         """Raises ValueError for the weak cone."""
         if not isinstance(cone, Nonpositive):
             raise ValueError("Nitsche: the law holds at points; cone='weak' belongs to a multiplier, leave the cone at 'nonpositive'")
 
-    def InitialGap(self, problem):
+    def InitialGap(self, problem: ContactProblem) -> np.ndarray:
         """ω g_0."""
         return self.nodes.weights * self.nodes.Values(problem.gap)
 
-    def Function(self, problem, values, name):
+    def Function(self, problem: ContactProblem, values: np.ndarray, name: str) -> GridFunction:
         """The L² projection of the law's values at the points onto W."""
         W = problem.W
         function = GridFunction(W, name)
@@ -213,16 +233,16 @@ class NitscheSystem(ContactSystem):
         return function
 
     @property
-    def C(self):
+    def C(self) -> csr_matrix:
         """E, and γR beside it unless θ = 1."""
         return self.E if self.theta == 1 else scipy.sparse.vstack([self.E, self.R], format="csr")
 
-    def Distribute(self, L):
+    def Distribute(self, L: np.ndarray) -> np.ndarray:
         """E_θᵀ L = Eᵀ L - (1 - θ) Rᵀ L."""
         return L if self.theta == 1 else np.concatenate([L, (self.theta - 1) * L])
 
 
-def component_rows(problem, nodes):
+def component_rows(problem: ContactProblem, nodes: CrackPoints) -> tuple[list[csr_matrix], list[csr_matrix]]:
     """Jumps and tractions R of each component at the points: two lists of sparse matrices."""
     body, material = problem.body, problem.material
     jump, gradient = (nodes.Rows(problem.V, operator) for operator in ("jump", "gradlarger"))
@@ -234,10 +254,11 @@ def component_rows(problem, nodes):
     for component in problem.friction.components:
         jumps.append(combined([component.jump(GivenJump(e), body) for e in units(2)], jump))
         tractions.append(combined([component.traction(stress, body) for stress in stresses], gradient))
-    return jumps, tractions if problem.a.joint is None else [t + r for t, r in zip(tractions, joint_rows(problem, nodes))]
+    joint = problem.a.joint
+    return jumps, tractions if joint is None else [t + r for t, r in zip(tractions, joint_rows(problem, joint, nodes))]
 
 
-def dilatation_rows(problem, nodes, gradient):
+def dilatation_rows(problem: ContactProblem, nodes: CrackPoints, gradient: list[csr_matrix]) -> csr_matrix:
     """What λ_L multiplies in the stress at the points: D u of the larger part where the material is nearly incompressible, div u elsewhere."""
     divergence, material = gradient[0] + gradient[3], problem.material
     if not is_projected(problem.V, material):
@@ -246,9 +267,9 @@ def dilatation_rows(problem, nodes, gradient):
     return scipy.sparse.diags(projected) @ nodes.Rows(problem.V, "dilatationlarger")[0] + scipy.sparse.diags(1 - projected) @ divergence
 
 
-def joint_rows(problem, nodes):
+def joint_rows(problem: ContactProblem, joint: Joint, nodes: CrackPoints) -> Iterator[csr_matrix]:
     """What the joint adds to R at the points, for each component a sparse matrix."""
-    columns = [problem.a.joint.Tractions(u) for pair in unit_limits() for u in pair]
+    columns = [joint.Tractions(u) for pair in unit_limits() for u in pair]
     rows = [row for operator in ("plus", "minus") for row in nodes.Rows(problem.V, operator)]
     for component in problem.friction.components:
         yield sum(scipy.sparse.diags(nodes.Values(t.Shift(component, "larger", problem.body))) @ row for t, row in zip(columns, rows))

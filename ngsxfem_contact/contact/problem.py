@@ -1,6 +1,9 @@
 """The data of a contact problem: (12) of [AHLMR12]."""
 
+from __future__ import annotations
+
 from numbers import Real
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import CoefficientFunction, InnerProduct, Parameter, dx
@@ -24,8 +27,16 @@ from .solution import ContactSolution
 from .solver import ReducedProblem
 from .stabilisation import BarbosaHughes, Unstabilised, softened, trait
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
 
-def check_modes(V, material):
+    from ngsolve import BitArray, GridFunction, LinearForm
+
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
+    from ..material import Coefficient
+
+
+def check_modes(V: CrackFESpace, material: Isotropic) -> None:
     """Raises ValueError if V has tip modes of another material: their lips would carry tractions."""
     for tip, spec in zip(V.body.tips, V.tip_specs):
         if spec is not None and spec.basis == core.TipBasis.modes:
@@ -34,7 +45,7 @@ def check_modes(V, material):
                 raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {here}; pass the same to TipEnrichment(material=...)")
 
 
-def given_stresses(material, initial_stress, temperature):
+def given_stresses(material: Isotropic, initial_stress: Any, temperature: Any) -> Iterator[CoefficientFunction]:
     """The stresses σ⁰ of initial_stress= and temperature=, 2 × 2 CoefficientFunctions."""
     if initial_stress is not None:
         initial_stress = check_function(initial_stress, "ContactProblem: initial_stress", 4)
@@ -48,23 +59,23 @@ def given_stresses(material, initial_stress, temperature):
         yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
 
 
-def check_no_function(stress):
+def check_no_function(stress: CoefficientFunction) -> None:
     """Raises ValueError for an initial stress that holds trial or test functions."""
     term = core.TermsOf(stress[0, 0] * dx)[0]
     if term.test or term.trial:
         raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
 
 
-def material_of(V, material):
+def material_of(V: CrackFESpace, material: Isotropic | None) -> Isotropic:
     """The one that is given, or that of V. Raises TypeError if there is none, ValueError if they are two."""
-    own = getattr(V, "material", None)
-    if material is None and own is None:
+    own: Isotropic | None = getattr(V, "material", None)
+    chosen = own if material is None else material
+    if chosen is None:
         raise TypeError("ContactProblem: there is no material; give CrackFESpace(..., material=Elasticity...), or ContactProblem(V, W, material)")
-    material = own if material is None else material
-    check_type(material, Isotropic, "ContactProblem: material", "an Elasticity")
-    if own is not None and material.regions != own.regions:
-        raise ValueError(f"ContactProblem: material={material} is another one than {own} of CrackFESpace(material=...); say it once, to V")
-    return material
+    check_type(chosen, Isotropic, "ContactProblem: material", "an Elasticity")
+    if own is not None and chosen.regions != own.regions:
+        raise ValueError(f"ContactProblem: material={chosen} is another one than {own} of CrackFESpace(material=...); say it once, to V")
+    return chosen
 
 
 class ContactProblem:
@@ -96,7 +107,18 @@ class ContactProblem:
     -1.000000
     """
 
-    def __init__(self, V, W, material=None, stabilisation=BarbosaHughes(), cone="nonpositive", gap=0, friction=None, initial_stress=None, temperature=None):
+    def __init__(
+        self,
+        V: CrackFESpace,
+        W: TraceSpace,
+        material: Isotropic | None = None,
+        stabilisation: Stabilisation | None = BarbosaHughes(),
+        cone: str = "nonpositive",
+        gap: Coefficient = 0,
+        friction: FaceLaw | None = None,
+        initial_stress: CoefficientFunction | None = None,
+        temperature: Coefficient | None = None,
+    ) -> None:
         check_type(V, core.CrackFESpace, "ContactProblem: V", "a CrackFESpace")
         check_type(W, core.TraceSpace, "ContactProblem: W", "a TraceSpace")
         if V.body is not W.body:
@@ -128,32 +150,32 @@ class ContactProblem:
         self.supports = Supports(V)
 
     @property
-    def body(self):
+    def body(self) -> CrackedMesh:
         """The CrackedMesh."""
         return self.V.body
 
     @property
-    def f(self):
+    def f(self) -> LoadForm:
         """The loads, a LoadForm: add terms by +=."""
         return self._f
 
     @f.setter
-    def f(self, form):
+    def f(self, form: LinearForm) -> None:
         """Itself after +=, or an empty LinearForm(problem.V), to begin anew."""
         self._f = self._f.ReplacedBy(form)
 
     @property
-    def a(self):
+    def a(self) -> StiffnessForm:
         """Springs and elastic joints, a StiffnessForm: add terms by +=."""
         return self._a
 
     @a.setter
-    def a(self, form):
+    def a(self, form: StiffnessForm) -> None:
         """Itself after +=."""
         if form is not self._a:
             raise TypeError(f"problem.a cannot be replaced by {form!r}; add terms to it, problem.a += ...")
 
-    def FacePressure(self, p, crack=None, bonus_intorder=0):
+    def FacePressure(self, p: Coefficient, crack: int | None = None, bonus_intorder: int = 0) -> None:
         """Adds a pressure on both faces, of a fluid in the crack: it opens the crack where p > 0, and λ ≤ 0 carries what it leaves.
 
         p: number or CoefficientFunction, a stress.    crack: number of the crack, default all of them.    bonus_intorder: for functions that are no
@@ -162,7 +184,7 @@ class ContactProblem:
         p = check_function(p, "FacePressure: p", 1)
         self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack, bonus_intorder)
 
-    def FaceTraction(self, plus=(0, 0), minus=(0, 0), crack=None, bonus_intorder=0):
+    def FaceTraction(self, plus: Any = (0, 0), minus: Any = (0, 0), crack: int | None = None, bonus_intorder: int = 0) -> None:
         """Adds tractions on the plus and on the minus face, forces on the body for each unit of length: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
 
         plus, minus: CoefficientFunctions with two components or tuples, stresses.    crack, bonus_intorder: as for FacePressure.
@@ -174,21 +196,21 @@ class ContactProblem:
         self.f += (plus * Plus(v) + minus * Minus(v)) * measure
 
     @property
-    def given(self):
+    def given(self) -> GridFunction:
         """The displacement where it is given, a GridFunction."""
         return self.supports.given
 
     @property
-    def free(self):
+    def free(self) -> BitArray:
         """BitArray of the unknowns that are not given."""
         return self.supports.free
 
     @property
-    def pinned(self):
+    def pinned(self) -> list[int]:
         """The unknowns that pins fix."""
         return self.supports.pinned
 
-    def Pin(self, point, components, value=0):
+    def Pin(self, point: Sequence[float], components: str, value: Any = 0) -> None:
         """Fixes components ("x", "y" or "xy") of u at a mesh vertex to a number, or to one number for each component.
 
         Raises ValueError if there is no vertex at the point (the message names the nearest), if u jumps there, inside the disk of a tip, whose
@@ -196,7 +218,7 @@ class ContactProblem:
         """
         self.supports.Pin(point, components, value)
 
-    def SetDirichlet(self, value, region):
+    def SetDirichlet(self, value: Any, region: str) -> None:
         """Sets u on a boundary region of V's dirichlet parts: the weighted L² projection of value's trace, both sides at a mouth.
 
         Beside a vertex that a mouth nearly meets, functions that hardly reach the boundary become free (`mouths.short_traces`).
@@ -207,26 +229,26 @@ class ContactProblem:
         """
         self.supports.SetDirichlet(value, region)
 
-    def ComparedTraction(self, a=None):
+    def ComparedTraction(self, a: StiffnessForm | None = None) -> ComparedTraction:
         """R_h of this problem: a ComparedTraction.    a: springs and joints, a StiffnessForm; default those of the problem."""
         return ComparedTraction(self.body, self.material, self.stabilisation.sides, (self.a if a is None else a).joint)
 
-    def Gamma(self):
+    def Gamma(self) -> CoefficientFunction | None:
         """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
         gamma = self.stabilisation.Gamma(self.V, self.material, self.friction.components)
         return softened(gamma, self.a.joint)
 
     @property
-    def projection(self):
+    def projection(self) -> int | None:
         """The degree of the polynomials onto which div u is projected where the material is nearly incompressible, or None."""
         return projection_degree(self.V) if is_projected(self.V, self.material) else None
 
     @property
-    def is_mixed(self):
+    def is_mixed(self) -> bool:
         """Whether the parts beside the cracks have pressures of their own, see `mixed_system`."""
         return trait(self.stabilisation, "frees_pressure") and is_projected(self.V, self.material)
 
-    def Assemble(self):
+    def Assemble(self) -> ContactSystem:
         """The matrices of (38): a ContactSystem."""
         own = trait(self.stabilisation, "System")
         return own(self) if own else MixedSystem(self) if self.is_mixed else ContactSystem(self)

@@ -1,12 +1,18 @@
 """What a solve did: counts, times and residuals."""
 
+from __future__ import annotations
+
 import logging
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import isnan
 from time import perf_counter
+from typing import TYPE_CHECKING, Any
 
 from ..algebra.nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 logger = logging.getLogger(__name__)
 
@@ -28,36 +34,36 @@ class Report:
     one solution (0: convex problem, None: not known).
     """
 
-    unknowns: tuple
+    unknowns: tuple[int, int]
     inverse: str = ""
-    timings: dict = field(default_factory=dict)
+    timings: dict[str, float] = field(default_factory=dict)
     converged: bool | None = None
     iterations: int = 0
-    active: list = field(default_factory=list)
+    active: list[Any] = field(default_factory=list)
     coarse_iterations: int = 0
     fallback: int = 0
     residual: float = float("nan")
     complementarity: float = float("nan")
-    tangential: list = field(default_factory=list)
+    tangential: list[Any] = field(default_factory=list)
     method: str = "active set"
-    threshold_changes: list = field(default_factory=list)
+    threshold_changes: list[float] = field(default_factory=list)
     uniqueness: float | None = None
-    notes: list = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     projection: int | None = None
 
-    def Counts(self):
+    def Counts(self) -> dict[str, int]:
         """Nodes in contact and, with friction, nodes that stick and slip either way, at the end."""
         counts = {"contact": int(self.active[-1].sum())}
         if self.tangential:
             counts |= {name: int((self.tangential[-1] == code).sum()) for name, code in (("stick", STICK), ("slip+", SLIP_PLUS), ("slip-", SLIP_MINUS))}
         return counts
 
-    def _projection_lines(self):
+    def _projection_lines(self) -> list[str]:
         if self.projection is None:
             return []
         return [f"divergence       projected onto P{self.projection} of each part where the material is nearly incompressible"]
 
-    def _friction_lines(self):
+    def _friction_lines(self) -> list[str]:
         if not self.tangential:
             return []
         lines = ["states           " + ", ".join(f"{number} {name}" for name, number in self.Counts().items()), f"method           {self.method}"]
@@ -68,7 +74,7 @@ class Report:
             return [*lines, "uniqueness       not known"]
         return [*lines, f"uniqueness       {'proved' if self.uniqueness < 1 else 'not proved'} (number {self.uniqueness:.2g}, below 1 is sufficient)"]
 
-    def __str__(self):
+    def __str__(self) -> str:
         sizes = " ".join(str(int(a.sum())) for a in self.active)
         times = "  ".join(f"{name} {seconds:.3f}" for name, seconds in self.timings.items())
         measured = lambda value: "measured when solution.u is first used" if isnan(value) else f"{value:.1e}"
@@ -90,14 +96,14 @@ class Report:
     __repr__ = __str__  # what a notebook shows
 
 
-def contraction(changes):
+def contraction(changes: list[float]) -> float:
     """The mean factor from one change to the next over the last three that are above round-off."""
     above = [change for change in changes if change > 1e-13][-4:]
     return (above[-1] / above[0]) ** (1 / (len(above) - 1)) if len(above) > 1 else 0.0
 
 
 @contextmanager
-def stage(timings, name, what):
+def stage(timings: dict[str, float], name: str, what: str) -> Iterator[None]:
     """Books the seconds of a block in `timings`; what: logged where it begins, and with its seconds where it ends."""
     logger.info(what)
     start = perf_counter()

@@ -1,7 +1,10 @@
 """What a solve returns."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import GridFunction, Id, Integrate
@@ -12,8 +15,25 @@ from ..fracture import stress_intensity as fracture
 from ..loads.load import LoadTerms, check_unchanged
 from ..operators import NORMAL, TANGENTIAL, NormalGap, Slip
 from ..points import crack_points
+from ..protocols import Nodes
 from ..spaces.incompressible import stress, stress_power
 from .mixed_system import LocalPressures
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from ngsolve import CoefficientFunction
+
+    from .._ngsxfem_contact import CrackedMesh
+    from ..fracture.stress_intensity import EnergyReleaseRate, StressIntensityFactors, TStress
+    from ..loads.face_traction import FaceTractions
+    from ..loads.reactions import SupportForces, SupportResidual
+    from ..operators import Component
+    from .load_case import ReducedCase
+    from .mixed_system import PressureField
+    from .problem import ContactProblem
+    from .report import Report
 
 
 @dataclass
@@ -41,12 +61,12 @@ class State:
     p: the values whose signs are checked, L = T p.    work: of friction in this step, and how far it may be off.
     """
 
-    nodes: object
+    nodes: Nodes
     L: np.ndarray
     moments: np.ndarray
     residual: np.ndarray
     p: np.ndarray | None = None
-    work: tuple = (0.0, 0.0)
+    work: tuple[float, float] = (0.0, 0.0)
 
 
 class ContactSolution:
@@ -58,75 +78,84 @@ class ContactSolution:
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
     """
 
-    def __init__(self, problem, u, multipliers, report, gamma, state, case=None):
+    def __init__(
+        self,
+        problem: ContactProblem,
+        u: Any,
+        multipliers: list[GridFunction],
+        report: Report,
+        gamma: CoefficientFunction,
+        state: State,
+        case: ReducedCase | None = None,
+    ) -> None:
         self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
-        self._supports = None
+        self._supports: SupportResidual | None = None
         self.a = problem.a.Copy()
         self.case = case
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
     @property
-    def u(self):
+    def u(self) -> GridFunction:
         """The displacement."""
         if not isinstance(self._u, GridFunction):
             self._u, self._supports = self._u()
         return self._u
 
     @property
-    def body(self):
+    def body(self) -> CrackedMesh:
         """The CrackedMesh."""
         return self.problem.body
 
     @property
-    def load(self):
+    def load(self) -> LoadTerms:
         """The LoadTerms that this was solved for; of a solution that was read from a file it is not known, and empty."""
         return self.case.load if self.case is not None else LoadTerms()
 
-    def CheckLoad(self):
+    def CheckLoad(self) -> None:
         """Raises ValueError if a coefficient of the load, such as a Parameter, has another value now than in the solve."""
         if self.case is not None:
             check_unchanged(self.load, self.case.F, self.problem.V, "the solve")
 
     @property
-    def stress(self):
+    def stress(self) -> CoefficientFunction:
         """σ(u) + σ⁰, a 2 × 2 CoefficientFunction: with initial stress, temperature, and the stresses that terms in Grad(v) give."""
         return self.StressAt(None)
 
-    def StressAt(self, side):
+    def StressAt(self, side: str | None) -> CoefficientFunction:
         """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point."""
         elastic, given = self.ElasticStress(side), self.load.stress
         return elastic if given is None else elastic + given
 
-    def ElasticStress(self, side):
+    def ElasticStress(self, side: str | None) -> CoefficientFunction:
         """The same without what is given, C:ε(u)."""
         elastic = stress(self.problem.material, self.u, side)
         return elastic if self._pressure is None else elastic + self._pressure.At(side) * Id(2)
 
     @cached_property
-    def _pressure(self):
+    def _pressure(self) -> PressureField | None:
         """π of `mixed_system`, a PressureField, or None."""
         if not self.problem.is_mixed:
             return None
         return LocalPressures(self.problem, self.gamma).Fit(self.multiplier - self._compared(NORMAL, "larger"))
 
-    def Energy(self):
+    def Energy(self) -> float:
         """½ a(u, u), the elastic energy for each unit of thickness: stress × length². Springs of problem.a and given stresses have no part in it."""
         power = stress_power(self.problem.material, self.u, self.u, self._pressure)
         return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
-    def ContactForce(self, crack=0):
+    def ContactForce(self, crack: int = 0) -> float:
         """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length. Raises ValueError for a crack that is not there."""
         return self._along(self.multiplier, crack)
 
-    def TangentialForce(self, crack=0):
+    def TangentialForce(self, crack: int = 0) -> float:
         """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction."""
         return self._along(self.tangential_multiplier, crack)
 
-    def _along(self, function, crack):
+    def _along(self, function: GridFunction, crack: int) -> float:
         check_item(crack, self.body.cracks, "crack", "body.cracks")
         return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh) if function else 0.0
 
-    def Reactions(self):
+    def Reactions(self) -> SupportForces:
         """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
 
         `total` of the table and the loads are in balance to round-off. Raises ValueError for a solution that was read from a file.
@@ -136,7 +165,7 @@ class ContactSolution:
             raise ValueError("Reactions: this solution was read from a file, which does not hold the reactions; solve the problem again")
         return self._supports.Forces(self.problem.V, stress)
 
-    def Reaction(self, place):
+    def Reaction(self, place: str | Sequence[float]) -> np.ndarray:
         """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
 
         place: a boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided
@@ -149,23 +178,23 @@ class ContactSolution:
             return rows.OfBoundaries({boundaries[i] for i in np.flatnonzero(list(self.body.mesh.Boundaries(place).Mask()))})
         return rows.OfPin(place)
 
-    def FrictionWork(self):
+    def FrictionWork(self) -> float:
         """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes.
 
         After a previous step by the trapezoidal rule for the threshold, which may change on the way; a first step has its last threshold.
         """
         return self.state.work[0]
 
-    def FrictionWorkError(self):
+    def FrictionWorkError(self) -> float:
         """How far FrictionWork() may be off because the threshold changes within the step: the difference of the trapezoidal from the end-point rule."""
         return self.state.work[1]
 
-    def Multipliers(self):
+    def Multipliers(self) -> np.ndarray:
         """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""
         L = self.state.L
         return L if self.tangential_multiplier else np.concatenate([L, np.zeros(len(L))])
 
-    def Profile(self, crack=0, n=200):
+    def Profile(self, crack: int = 0, n: int = 200) -> CrackProfile:
         """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.
 
         sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact
@@ -184,29 +213,29 @@ class ContactSolution:
         inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
         return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.Traction(TANGENTIAL, "larger")(inside).ravel())
 
-    def FaceTractions(self):
+    def FaceTractions(self) -> FaceTractions:
         """What acts on the faces beside contact and friction: the FaceTractions that are given, and those of elastic joints."""
         given, joint = self.load.tractions, self.a.joint
         return given if joint is None else given + joint.Tractions(self.u)
 
-    def Traction(self, component, side):
+    def Traction(self, component: Component, side: str | None) -> CoefficientFunction:
         """R_h(u) + r_0 of a side ("plus", "minus", "larger"): what the multiplier of a component (`operators.NORMAL`, `TANGENTIAL`) approximates."""
         traction = self._compared(component, side)
         return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
 
-    def _compared(self, component, side):
+    def _compared(self, component: Component, side: str | None) -> CoefficientFunction:
         return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.load.Shift(component, side, self.body)
 
-    def Transitions(self, crack=0):
+    def Transitions(self, crack: int = 0) -> np.ndarray:
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
         return self._changes(self.report.active[-1], crack)
 
-    def SlipTransitions(self, crack=0):
+    def SlipTransitions(self, crack: int = 0) -> np.ndarray:
         """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
         tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.state.nodes.ndof)
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
-    def _changes(self, states, crack, where=lambda a, b: True):
+    def _changes(self, states: np.ndarray, crack: int, where: Callable[..., Any] = lambda a, b: True) -> np.ndarray:
         positions = self.state.nodes.NodalPositions()
         check_item(crack, positions, "crack", "body.cracks")
         first = sum(len(p) for p in positions[:crack])
@@ -215,7 +244,7 @@ class ContactSolution:
         s = np.array(positions[crack])
         return 0.5 * (s[changes] + s[changes + 1])
 
-    def StressIntensity(self, tip=0, method="interaction", radius=None):
+    def StressIntensity(self, tip: int = 0, method: Any = "interaction", radius: float | None = None) -> StressIntensityFactors:
         """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).
 
         method: "interaction" (default), the interaction integral over disks around the tip, with the body force and the
@@ -229,14 +258,14 @@ class ContactSolution:
         """
         return fracture.stress_intensity(self, tip, method, radius)
 
-    def EnergyReleaseRate(self, tip=0, radius=None):
+    def EnergyReleaseRate(self, tip: int = 0, radius: float | None = None) -> EnergyReleaseRate:
         """G at a tip by the J-integral over disks, and by Irwin from K_I, K_II; see EnergyReleaseRate of `fracture`.
 
         J is quadratic in u: with P1 on coarse meshes Irwin's value is the better one. Raises as StressIntensity.
         """
         return fracture.energy_release_rate(self, tip, radius)
 
-    def TStress(self, tip=0, radius=None):
+    def TStress(self, tip: int = 0, radius: float | None = None) -> TStress:
         """The T-stress at a tip, by an interaction integral with the field of a force in the tip: a TStress, float(...) is its value.
 
         It is the constant part of σ_ee, e the direction ahead: with given stresses, pressure on the faces and contact. radius: as for StressIntensity.
@@ -244,16 +273,18 @@ class ContactSolution:
         """
         return fracture.t_stress(self, tip, radius)
 
-    def VonMises(self):
+    def VonMises(self) -> CoefficientFunction:
         """The von Mises stress, a CoefficientFunction: σ_zz = 0 in plane stress, ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
         return self.problem.material.VonMises(self.stress, self.problem.temperature)
 
-    def PotentialEnergy(self):
+    def PotentialEnergy(self) -> float:
         """Π = ½ a(u, u) - L(u), springs and given stresses included. Without friction G = -dΠ/da, a the length of the crack."""
+        if self.case is None:
+            raise ValueError("PotentialEnergy: this solution was read from a file, which does not hold the load; solve the problem again")
         U = self.u.vec.FV().NumPy()
         return self.Energy() + float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
 
-    def Draw(self, **options):
+    def Draw(self, **options: Any) -> Any:
         """Shows the deformed body with the crack open in a notebook.
 
         options: field, a CoefficientFunction (default: the von Mises stress), scale of the displacement (default: the largest is 5 % of the
@@ -263,7 +294,7 @@ class ContactSolution:
 
         return draw(self, **options)
 
-    def SaveVTK(self, path):
+    def SaveVTK(self, path: str | Path) -> str:
         """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
 
         path: the ending is added if it is missing. The file appears when it is complete.

@@ -5,9 +5,11 @@ take part in R_h. The two vector modes have σ_n = 0 on the lips; single functio
 that ∫γ R_h(v)² diverges: with them γ falls linearly to zero within h_T of the tip (docs/method.md, section 5).
 """
 
+from __future__ import annotations
+
 from collections import Counter
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFunction, IfPos, sqrt, x, y
@@ -19,6 +21,14 @@ from ..operators import NORMAL
 from ..protocols import Stabilisation
 from ..spaces.incompressible import WithoutPressure, is_projected, stress_power
 from ..spaces.unknowns import Unknowns
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, ElementLocation
+    from ..loads.face_traction import Joint
+    from ..material import Isotropic
+    from ..operators import Component
 
 
 class Defaults:
@@ -46,7 +56,7 @@ def trait(stabilisation: Stabilisation, name: str) -> Any:
     return getattr(stabilisation, name, getattr(Defaults(), name))
 
 
-def smaller_gamma0(gamma0, smallest, otherwise):
+def smaller_gamma0(gamma0: float, smallest: float, otherwise: str) -> str:
     """The Remedy for a number gamma0."""
     return f"take gamma0 = {gamma0:g} below {gamma0 / (1 - smallest):.3g}, or {otherwise}"
 
@@ -57,11 +67,11 @@ class Unstabilised(Defaults):
 
     sides = {}
 
-    def Gamma(self, V, material, components=(NORMAL,)):
+    def Gamma(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> CoefficientFunction | None:
         """None: there is no γ."""
         return None
 
-    def IsSafe(self, V, material, components=(NORMAL,)):
+    def IsSafe(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> bool:
         """True: K is positive."""
         return True
 
@@ -83,12 +93,12 @@ class BarbosaHughes(Defaults):
 
     sides = {"larger": 1}
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.gamma0 is not None:
             check_positive(self.gamma0, "BarbosaHughes: gamma0", "; stabilisation=None switches it off")
         check_number(self.theta, "BarbosaHughes: theta", lambda theta: 0 < theta < 1, "lie between 0 and 1")
 
-    def Gamma(self, V, material, components=(NORMAL,)):
+    def Gamma(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> CoefficientFunction:
         """γ as a CoefficientFunction on the elements that the cracks meet."""
         return element_gamma(V, self.Limits(V, material, components))
 
@@ -97,7 +107,7 @@ class BarbosaHughes(Defaults):
         """True: γ ~ h/μ, whatever λ_L is."""
         return True
 
-    def Limits(self, V, material, components=(NORMAL,)):
+    def Limits(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> np.ndarray:
         """γ_T / h_T for each of crack_elements."""
         if self.gamma0 is not None:
             return np.full(len(crack_elements(V.body)), self.gamma0)
@@ -107,15 +117,15 @@ class BarbosaHughes(Defaults):
         limits = self.theta / np.maximum(constants, 1e-3 * (constants / moduli).max() * moduli)
         return np.where(lacks_pressure(V, law), 0, limits)
 
-    def Law(self, V, material):
+    def Law(self, V: CrackFESpace, material: Isotropic) -> Isotropic | WithoutPressure:
         """The material, or the part of it that γ has to do with: where it is nearly incompressible, pressures of their own take the rest."""
         return WithoutPressure(material) if is_projected(V, material) else material
 
-    def IsSafe(self, V, material, components=(NORMAL,)):
+    def IsSafe(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> bool:
         """Whether the local eigenproblems prove K - K_γ positive."""
         return self.gamma0 is None or self.gamma0 * trace_constants(V, self.Law(V, material), components).max() < 1
 
-    def Remedy(self, smallest):
+    def Remedy(self, smallest: float) -> str:
         """A smaller γ."""
         if self.gamma0 is None:
             return f"γ was chosen element by element for a coercivity of {1 - self.theta:g}: take a smaller theta"
@@ -133,29 +143,29 @@ class BothSides(Defaults):
     gamma0: float
     weight: float = 1
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_positive(self.gamma0, "BothSides: gamma0")
         check_positive(self.weight, "BothSides: weight")
 
     @property
-    def sides(self):
+    def sides(self) -> dict[str, float]:
         """The traces that take part, with their weights."""
         return {"plus": self.weight, "minus": self.weight}
 
-    def Gamma(self, V, material, components=(NORMAL,)):
+    def Gamma(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> CoefficientFunction:
         """γ as a CoefficientFunction on the elements that the cracks meet."""
         return element_gamma(V, np.full(len(crack_elements(V.body)), self.gamma0))
 
-    def IsSafe(self, V, material, components=(NORMAL,)):
+    def IsSafe(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> bool:
         """False: no local bound is known, the eigenvalue has to be computed."""
         return False
 
-    def Remedy(self, smallest):
+    def Remedy(self, smallest: float) -> str:
         """A smaller γ."""
         return smaller_gamma0(self.gamma0, smallest, "BarbosaHughes(), which chooses γ itself")
 
 
-def element_gamma(V, limits):
+def element_gamma(V: CrackFESpace, limits: np.ndarray) -> CoefficientFunction:
     """γ = limit h_T, weighted at the tips, for one limit on each of crack_elements; where cracks share one, the least."""
     gamma = GridFunction(L2(V.mesh, order=0))
     gamma.vec[:] = np.inf
@@ -166,12 +176,12 @@ def element_gamma(V, limits):
     return gamma * tip_weight(V)
 
 
-def crack_elements(body):
+def crack_elements(body: CrackedMesh) -> list[ElementLocation]:
     """The ElementLocations of all cracks."""
     return [location for c in range(len(body.cracks)) for location in body.Elements(c)]
 
 
-def local_moduli(V, material):
+def local_moduli(V: CrackFESpace, material: Isotropic) -> np.ndarray:
     """What R_h is of the order of in each of crack_elements: lam + 2 mu, and 2 mu where the pressure is free."""
     modulus = GridFunction(L2(V.mesh, order=0))
     free = material.projected if is_projected(V, material) else 0
@@ -179,22 +189,22 @@ def local_moduli(V, material):
     return np.array([modulus.vec[location.element] for location in crack_elements(V.body)])
 
 
-def carries_pressure(V, material):
+def carries_pressure(V: CrackFESpace, material: Isotropic | WithoutPressure) -> np.ndarray:
     """For each of crack_elements whether it has a pressure of its own, see `mixed_system`: nearly incompressible, and met by one crack only."""
     return np.array([len(V.body.CracksOf(T.element)) == 1 for T in crack_elements(V.body)]) & _nearly_incompressible(V, material)
 
 
-def lacks_pressure(V, law):
+def lacks_pressure(V: CrackFESpace, law: Isotropic | WithoutPressure) -> np.ndarray:
     """For each of crack_elements whether two cracks share it, so that it has no pressure of its own though the law asks for it."""
     return isinstance(law, WithoutPressure) & _nearly_incompressible(V, law) & ~carries_pressure(V, law)
 
 
-def _nearly_incompressible(V, material):
+def _nearly_incompressible(V: CrackFESpace, material: Isotropic | WithoutPressure) -> np.ndarray:
     index = np.array([V.mesh[ElementId(T.element)].index for T in crack_elements(V.body)], dtype=int)
     return np.array([material.InRegion(int(i)).nearly_incompressible for i in index], dtype=bool)
 
 
-def tip_weight(V):
+def tip_weight(V: CrackFESpace) -> CoefficientFunction:
     """min(1, r/h_T) around the tips with scalar functions (8), 1 elsewhere."""
     h = GridFunction(L2(V.mesh, order=0))
     for location in crack_elements(V.body):
@@ -207,12 +217,12 @@ def tip_weight(V):
     return weight
 
 
-def softened(gamma, joint, theta=0.5):
+def softened(gamma: CoefficientFunction, joint: Joint | None, theta: float = 0.5) -> CoefficientFunction:
     """1/(1/γ + k/θ) beside a joint of stiffness k: R_h holds -k g there, and γ R_h² ≤ θ (σ_n² γ/θ + k g²) by Cauchy and Schwarz."""
     return gamma if gamma is None or joint is None else gamma / (1 + gamma * joint.Stiffness() / theta)
 
 
-def trace_constants(V, material, components=(NORMAL,)):
+def trace_constants(V: CrackFESpace, material: Isotropic | WithoutPressure, components: Sequence[Component] = (NORMAL,)) -> np.ndarray:
     """C_T for each element of crack_elements: the local eigenproblems of docs/method.md, section 5.
 
     C_T = m max ∫_{T∩Γ} h_T w R_h(v)² / a_T(v,v) over the functions of V that live on T, w = tip_weight, a_T over the larger
@@ -231,7 +241,7 @@ def trace_constants(V, material, components=(NORMAL,)):
     return np.array(constants)
 
 
-def _largest_ratio(V, element, trace, energy, kernel=1e-10):
+def _largest_ratio(V: CrackFESpace, element: int, trace: BilinearForm, energy: BilinearForm, kernel: float = 1e-10) -> float:
     """The largest eigenvalue of the element matrices of trace against energy, beside the common kernel."""
     ei = ElementId(element)
     fe, trafo = V.GetFE(ei), V.mesh.GetTrafo(ei)
@@ -246,7 +256,7 @@ def _largest_ratio(V, element, trace, energy, kernel=1e-10):
     return np.linalg.eigvalsh(basis.T @ R @ basis)[-1]
 
 
-def largest_of_kind(values, V, dofs):
+def largest_of_kind(values: np.ndarray, V: CrackFESpace, dofs: tuple[int, ...]) -> np.ndarray:
     """For each unknown the largest of the values that have its unit: of all polynomials, or of the functions of its tip."""
     kind = Unknowns(V).Kinds(np.array(dofs))
     largest = np.zeros(kind.max() + 1)

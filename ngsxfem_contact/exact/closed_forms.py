@@ -3,8 +3,11 @@
 They hold in the whole plane, so that any polygon may be the body: rotate and shift the body, not the formulas.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import pi
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
@@ -13,6 +16,10 @@ from ngsolve import CF, CoefficientFunction, IfPos, InnerProduct, Integrate, Mes
 from .._ngsxfem_contact import Crack
 from ..fracture.tip_fields import half_angle
 from ..operators import Slip
+
+if TYPE_CHECKING:
+    from ..contact.solution import ContactSolution
+    from ..material import Isotropic
 
 
 @dataclass(frozen=True)
@@ -27,20 +34,20 @@ class ClosedForm:
     slip: CoefficientFunction | None = None
 
 
-def uniform_compression(material, p=1, sigma_xx=0.3):
+def uniform_compression(material: Isotropic, p: float = 1, sigma_xx: float = 0.3) -> ClosedForm:
     """(a): a closed crack under σ_yy = -p, σ_xx given; u is linear."""
     strain = material.Strain(CF((sigma_xx, 0, 0, -p), dims=(2, 2)))
     return ClosedForm(strain * CF((x, y)), _matrix(CF(sigma_xx), CF(0), CF(-p)), CF(-p), CF(0))
 
 
-def uniform_stress(material, sigma_xx, sigma_xy, sigma_yy):
+def uniform_stress(material: Isotropic, sigma_xx: float, sigma_xy: float, sigma_yy: float) -> ClosedForm:
     """A sticking, closed crack under constant stress, σ_yy ≤ 0: the body without a crack."""
     closed = uniform_compression(material, -sigma_yy, sigma_xx)
     u = closed.u + 0.5 * sigma_xy / material.mu * CF((y, x))
     return ClosedForm(u, _matrix(CF(sigma_xx), CF(sigma_xy), CF(sigma_yy)), CF(sigma_yy), CF(0), CF(sigma_xy), CF(0))
 
 
-def sticking_crack(material, a=1.5, p=10):
+def sticking_crack(material: Isotropic, a: Any = 1.5, p: float = 10) -> Any:
     """The uncracked body under Airy's function cos(ax) exp(-ay) and σ_yy = -p: smooth, sheared, closed where p is large."""
     wave = exp(-a * y)
     u, uniform = CF((a * sin(a * x), a * cos(a * x))) * wave / (2 * material.mu), uniform_stress(material, 0, 0, -p)
@@ -48,7 +55,7 @@ def sticking_crack(material, a=1.5, p=10):
     return ClosedForm(u + uniform.u, _matrix(xx, xy, -xx) + uniform.stress, -xx - p, CF(0), xy, CF(0))
 
 
-def open_tip(material, K=1, tip=0):
+def open_tip(material: Isotropic, K: float = 1, tip: float = 0) -> ClosedForm:
     """(b): K_I at a tip (tip, 0) with the crack on x < tip."""
     X, Y, r, c, s = _tip_coordinates(tip)
     kappa, scale = material.kappa, K / (2 * material.mu * np.sqrt(2 * pi))
@@ -59,7 +66,7 @@ def open_tip(material, K=1, tip=0):
     return ClosedForm(u, K / sqrt(2 * pi * r) * stress, CF(0), gap)
 
 
-def slipping_tip(material, K=1, p=1, tip=0):
+def slipping_tip(material: Isotropic, K: float = 1, p: float = 1, tip: int = 0) -> ClosedForm:
     """(c): K_II at a tip (tip, 0), crack on x < tip, closed under the uniform compression σ_yy = -p."""
     X, Y, r, c, s = _tip_coordinates(tip)
     kappa, scale = material.kappa, K / (2 * material.mu * np.sqrt(2 * pi))
@@ -71,13 +78,13 @@ def slipping_tip(material, K=1, p=1, tip=0):
     return ClosedForm(u + closed.u, K / sqrt(2 * pi * r) * stress + closed.stress, CF(-p), CF(0), CF(0), slip)
 
 
-def sliding_tip(material, mu_f, K=1, p=1, tip=0):
+def sliding_tip(material: Isotropic, mu_f: float, K: float = 1, p: float = 1, tip: int = 0) -> ClosedForm:
     """(e): (c) with K ≥ 0 and Coulomb friction, σ_xy = mu_f p: the closed crack slides on its whole length."""
     slipping, shear = slipping_tip(material, K, 0, tip), uniform_stress(material, 0, mu_f * p, -p)
     return ClosedForm(slipping.u + shear.u, slipping.stress + shear.stress, CF(-p), CF(0), CF(mu_f * p), slipping.slip)
 
 
-def contact_transition(material, c=1, x0=0):
+def contact_transition(material: Isotropic, c: float = 1, x0: float = 0) -> ClosedForm:
     """(d): open for x > x0 with gap ∝ (x - x0)^{3/2}, closed for x < x0 with σ_n = -c √(x0 - x)."""
     X, sign = x - x0, IfPos(-y, -1, 1)
     Y = sign * y
@@ -93,18 +100,18 @@ def contact_transition(material, c=1, x0=0):
     return ClosedForm(u, stress, -c * sqrt(IfPos(-X, -X, 0)), 0.5 / mu * (kappa + 1) * 2 / 3 * c * opening * sqrt(opening))
 
 
-def _tip_coordinates(tip):
+def _tip_coordinates(tip: float) -> tuple[CoefficientFunction, ...]:
     X = x - tip
     r = sqrt(X * X + y * y + 1e-200)
     C, S = half_angle(X, y, r)
     return X, y, r, C / sqrt(r), S / sqrt(r)
 
 
-def _matrix(xx, xy, yy):
+def _matrix(xx: CoefficientFunction, xy: CoefficientFunction, yy: CoefficientFunction) -> CoefficientFunction:
     return CF((xx, xy, xy, yy), dims=(2, 2)).Compile()
 
 
-def rotated_square(angle, offset, maxh, size=1):
+def rotated_square(angle: float, offset: tuple[float, float], maxh: float, size: int = 1) -> Mesh:
     """A mesh of the square of the given size, rotated by angle about its centre at offset; one boundary, "outer"."""
     geometry = SplineGeometry()
     points = [geometry.AppendPoint(*corner) for corner in corners(angle, offset, size)]
@@ -113,19 +120,19 @@ def rotated_square(angle, offset, maxh, size=1):
     return Mesh(geometry.GenerateMesh(maxh=maxh))
 
 
-def position(i):
+def position(i: Any) -> Any:
     """Angle and offset of the i-th body of a series: irrational steps, the origin stays at least 0.4 away from its boundary."""
     return 0.1 + 0.7 * ((i * 0.618034) % 1), (0.05 * np.cos(2.4 * i), 0.05 * np.sin(2.4 * i))
 
 
-def corners(angle, offset, size=1):
+def corners(angle: float, offset: tuple[float, float], size: int = 1) -> np.ndarray:
     """Of the rotated square, counter-clockwise: (4, 2)."""
     square = 0.5 * size * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     return square @ rotation.T + np.asarray(offset)
 
 
-def mouths(angle, offset, size=1):
+def mouths(angle: float, offset: tuple[float, float], size: int = 1) -> list[float]:
     """The two x at which the line y = 0 leaves the rotated square."""
     p = corners(angle, offset, size)
     q = np.roll(p, -1, axis=0)
@@ -134,12 +141,12 @@ def mouths(angle, offset, size=1):
     return sorted(a[:, 0] - a[:, 1] * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1]))
 
 
-def crack_on_axis(start, end):
+def crack_on_axis(start: float, end: float) -> Crack:
     """The crack from (start, 0) to (end, 0)."""
     return Crack([(float(start), 0.0), (float(end), 0.0)])
 
 
-def energy_error(solution, exact, bonus_intorder=6):
+def energy_error(solution: ContactSolution, exact: ClosedForm, bonus_intorder: int = 6) -> float:
     """(a(u - u_h, u - u_h))^{1/2}."""
     difference = solution.stress - exact.stress
     return np.sqrt(
@@ -147,21 +154,21 @@ def energy_error(solution, exact, bonus_intorder=6):
     )
 
 
-def pressure_error(solution, exact, bonus_intorder=10):
+def pressure_error(solution: ContactSolution, exact: ClosedForm, bonus_intorder: int = 10) -> float:
     """‖σ_n - λ_h‖ in L²(Γ_C)."""
     return error_on_crack(solution, solution.multiplier - exact.pressure, bonus_intorder)
 
 
-def shear_error(solution, exact, bonus_intorder=10):
+def shear_error(solution: ContactSolution, exact: ClosedForm, bonus_intorder: int = 10) -> float:
     """‖σ_t - λ_t‖ in L²(Γ_C)."""
     return error_on_crack(solution, solution.tangential_multiplier - exact.shear, bonus_intorder)
 
 
-def slip_error(solution, exact, bonus_intorder=10):
+def slip_error(solution: ContactSolution, exact: Any, bonus_intorder: Any = 10) -> Any:
     """‖g_t(u) - g_t(u_h)‖ in L²(Γ_C)."""
     return error_on_crack(solution, Slip(solution.u, solution.body) - exact.slip, bonus_intorder)
 
 
-def error_on_crack(solution, difference, bonus_intorder):
+def error_on_crack(solution: ContactSolution, difference: CoefficientFunction, bonus_intorder: int) -> float:
     """‖difference‖ in L²(Γ_C)."""
     return np.sqrt(Integrate(difference * difference * solution.problem.W.dcrack(bonus_intorder=bonus_intorder), solution.body.mesh))

@@ -1,12 +1,18 @@
 """Cracks whose stress intensity factors are known: in the infinite plate in closed form, in finite plates from handbooks."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import cos, pi, sin, sqrt, tan
+from typing import TYPE_CHECKING, Any
 
 from ngsolve import CF, CoefficientFunction, x, y
 from ngsolve import sqrt as root
 
 from ..fracture.tip_fields import half_angle
+
+if TYPE_CHECKING:
+    from ..material import Isotropic
 
 
 @dataclass(frozen=True)
@@ -19,7 +25,7 @@ class InfinitePlate:
     sigma_n: float
 
 
-def infinite_plate(material, a, normal, shear, along=0, friction=0):
+def infinite_plate(material: Isotropic, a: Any, normal: float, shear: float, along: float = 0, friction: float = 0) -> InfinitePlate:
     """The crack |x| < a, y = 0 under σ_yy = normal, σ_xy = shear, σ_xx = along at infinity.
 
     Westergaard's functions Z = σ z/√(z² - a²): K_I = normal √(πa), K_II = shear √(πa). Under compression the faces touch,
@@ -38,18 +44,18 @@ def infinite_plate(material, a, normal, shear, along=0, friction=0):
     return InfinitePlate(u, opening * sqrt(pi * a), (shear - carried) * sqrt(pi * a), min(normal, 0))
 
 
-def _root(a):
+def _root(a: Any) -> tuple[CoefficientFunction, CoefficientFunction]:
     """Real and imaginary part of √(z - a) √(z + a): the cut is the crack."""
     (c1, s1), (c2, s2) = (half_angle(x - d, y, root((x - d) ** 2 + y**2 + 1e-200)) for d in (a, -a))
     return c1 * c2 - s1 * s2, c1 * s2 + s1 * c2
 
 
-def _uniform(material, xx, yy, xy):
+def _uniform(material: Isotropic, xx: float, yy: float, xy: float) -> CoefficientFunction:
     """The linear displacement of a uniform stress."""
     return material.Strain(CF((xx, xy, xy, yy), dims=(2, 2))) * CF((x, y))
 
 
-def inclined(stress, psi):
+def inclined(stress: float, psi: float) -> tuple[float, float, float]:
     """(normal, shear, along) on a crack under uniaxial `stress` whose axis makes the angle psi with the crack.
 
     The axis points to (cos ψ, sin ψ) in the crack's coordinates. For compression, stress = -σ, with the angle of friction
@@ -58,12 +64,12 @@ def inclined(stress, psi):
     return stress * sin(psi) ** 2, stress * sin(psi) * cos(psi), stress * cos(psi) ** 2
 
 
-def single_edge_tension(ratio):
+def single_edge_tension(ratio: float) -> float:
     """K_I / (σ√(πa)) of an edge crack a = ratio W in a long strip of width W: Tada, Paris, Irwin, The Stress Analysis of Cracks Handbook, within 0.5 %."""
     half = pi * ratio / 2
     return sqrt(tan(half) / half) * (0.752 + 2.02 * ratio + 0.37 * (1 - sin(half)) ** 3) / cos(half)
 
 
-def centre_crack_tension(ratio):
+def centre_crack_tension(ratio: float) -> float:
     """K_I / (σ√(πa)) of a central crack 2a = ratio 2W in a long strip of width 2W: Tada, Paris, Irwin, within 0.1 %."""
     return (1 - 0.025 * ratio**2 + 0.06 * ratio**4) / sqrt(cos(pi * ratio / 2))

@@ -1,10 +1,13 @@
 """Growth of cracks step by step, contact active throughout, on one mesh: docs/method.md, section 9."""
 
+from __future__ import annotations
+
 import csv
 import logging
 from dataclasses import dataclass
 from math import atan2, cos, degrees, pi, sin, sqrt
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +18,12 @@ from ..files import write_whole
 from ..spaces.resolution import warn_of_short_increment
 from .stress_intensity import is_closed
 from .tip_fields import TipFrame, distance_along
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from ..contact.solution import ContactSolution
+    from ..material import Isotropic
 
 logger = logging.getLogger(__name__)
 
@@ -35,13 +44,13 @@ class MaximumHoopStress:
 
     grows_closed = False
 
-    def Angle(self, K_I, K_II):
+    def Angle(self, K_I: float, K_II: float) -> float:
         """θ in radians from the direction ahead, counter-clockwise: K_I sin θ + K_II (3 cos θ - 1) = 0, |θ| ≤ 70.53°."""
         if K_II == 0:
             return 0.0
         return 2 * atan2(-2 * K_II, K_I + sqrt(K_I**2 + 8 * K_II**2))
 
-    def Driving(self, K_I, K_II):
+    def Driving(self, K_I: float, K_II: float) -> float:
         """The largest σ_θθ √(2πr): for K_II = 0 it is K_I."""
         half = 0.5 * self.Angle(K_I, K_II)
         return cos(half) ** 2 * (K_I * cos(half) - 3 * K_II * sin(half))
@@ -60,10 +69,10 @@ class GivenIncrement:
 
     da: float
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_positive(self.da, "GivenIncrement: da")
 
-    def Advances(self, driving):
+    def Advances(self, driving: list[float]) -> tuple[np.ndarray, float]:
         """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted."""
         return np.full(len(driving), self.da), 0.0
 
@@ -82,12 +91,12 @@ class Paris:
     da: float
     ratio: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ("C", "m", "da"):
             check_positive(getattr(self, name), f"Paris: {name}")
         check_number(self.ratio, "Paris: ratio", lambda ratio: 0 <= ratio < 1, "be at least 0 and less than 1")
 
-    def Advances(self, driving):
+    def Advances(self, driving: np.ndarray) -> tuple[np.ndarray, float]:
         """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take."""
         rates = self.C * ((1 - self.ratio) * np.asarray(driving)) ** self.m
         cycles = self.da / rates.max()
@@ -134,7 +143,14 @@ class CrackGrowth:
     solutions: of the states.    cycles: that led to the last one.
     """
 
-    def __init__(self, make_problem, cracks, law, criterion=MaximumHoopStress(), toughness=0.0):
+    def __init__(
+        self,
+        make_problem: Callable[..., Any],
+        cracks: list[Crack],
+        law: GivenIncrement,
+        criterion: MaximumHoopStress | WingCracks = MaximumHoopStress(),
+        toughness: float = 0.0,
+    ) -> None:
         check_number(toughness, "CrackGrowth: toughness", lambda toughness: 0 <= toughness < float("inf"), "be a finite number >= 0")
         if not callable(make_problem):
             raise TypeError(f"CrackGrowth: make_problem={make_problem!r} is not a function of a list of cracks that returns a ContactProblem")
@@ -150,7 +166,7 @@ class CrackGrowth:
         self._cut = {}  # by (crack, end): where it went through ∂Ω
         self._warned = False
 
-    def Run(self, steps):
+    def Run(self, steps: int) -> np.ndarray:
         """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
         check_whole(steps, "CrackGrowth: steps", 0)
         for number in range(steps):
@@ -159,7 +175,7 @@ class CrackGrowth:
                 break
         return self.table
 
-    def Step(self):
+    def Step(self) -> list[TipStep]:
         """The next state: growth as the last rows say, one solve; returns its TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
         cracks, cycles = self._next
         rows = [
@@ -176,11 +192,11 @@ class CrackGrowth:
         return rows
 
     @property
-    def _count(self):
+    def _count(self) -> int:
         """The number of states so far."""
         return self.rows[-1].step + 1 if self.rows else 0
 
-    def _solved(self, cracks, cycles):
+    def _solved(self, cracks: list[Crack], cycles: float) -> list[TipStep]:
         """The rows of the tips of a state; plans the next one."""
         problem = self.make_problem(cracks)
         if not hasattr(problem, "Solve"):
@@ -199,7 +215,7 @@ class CrackGrowth:
         self.solutions.append(solution)
         return rows
 
-    def _evaluate(self, solution, number):
+    def _evaluate(self, solution: ContactSolution, number: int) -> TipStep:
         """Factors and driving force of a tip; a state if it does not grow."""
         tip = solution.body.tips[number]
         crack, end = key = tip.crack, ENDS[int(tip.s > 0)]
@@ -219,14 +235,14 @@ class CrackGrowth:
         row.state = row.state or self._arrest(row, closed)
         return row
 
-    def _arrest(self, row, closed):
+    def _arrest(self, row: TipStep, closed: bool) -> str:
         if closed and not self.criterion.grows_closed:
             return "arrested: the faces touch at the tip, K_I = 0"
         if row.driving <= max(self.toughness, row.error):
             return f"arrested: driving {row.driving:.3g} is not above {'the toughness' if self.toughness > row.error else 'its own error'}"
         return ""
 
-    def _grow(self, solution, row, advance):
+    def _grow(self, solution: ContactSolution, row: TipStep, advance: float) -> None:
         """Extends the crack of the next state, unless the new tip would not fit; small advances wait until they add up to half of da."""
         key = (row.crack, row.end)
         advance += self._owed.pop(key, 0.0)
@@ -249,7 +265,7 @@ class CrackGrowth:
         if not self._cuts_through(solution, row, frame, advance):
             row.state = self._ended[key] = f"stopped: {obstacles[0]}"
 
-    def _cuts_through(self, solution, row, frame, advance):
+    def _cuts_through(self, solution: ContactSolution, row: TipStep, frame: TipFrame, advance: float) -> bool:
         """Whether the way ahead ends at ∂Ω before the advance, or so soon after it that no tip fits between; then the next state is cut there."""
         cracks, cycles = self._next
         point, direction = np.array(frame.tip.point), turned(frame, row.angle)
@@ -271,12 +287,12 @@ class CrackGrowth:
         return True
 
     @property
-    def table(self):
+    def table(self) -> np.ndarray:
         """A numpy structured array with the fields of TipStep, one row for each state and tip."""
-        types = [(name, "U200" if f.type is str else f.type) for name, f in TipStep.__dataclass_fields__.items()]
+        types = [(name, "U200" if f.type == "str" else f.type) for name, f in TipStep.__dataclass_fields__.items()]
         return np.array([tuple(vars(row).values()) for row in self.rows], dtype=types)
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = ["step crack end          x         y   length       K_I      K_II   angle  advance     cycles  state"]
         for r in self.rows:
             lines.append(
@@ -284,17 +300,17 @@ class CrackGrowth:
             )
         return "\n".join(lines)
 
-    def SaveTable(self, path):
+    def SaveTable(self, path: str | Path) -> Path:
         """Writes the table as CSV; returns the path. The file appears when it is complete."""
         table = self.table
 
-        def write(temporary):
+        def write(temporary: Path) -> None:
             with open(temporary, "w", newline="") as file:
-                csv.writer(file).writerows([table.dtype.names, *table.tolist()])
+                csv.writer(file).writerows([[*(table.dtype.names or ())], *table.tolist()])
 
         return write_whole(Path(path), write)
 
-    def Animate(self, path, scale=None, seconds=0.5):
+    def Animate(self, path: str | Path, scale: float | None = None, seconds: float = 0.5) -> str:
         """Writes the opened body of every state as an animated GIF (needs matplotlib with pillow); returns the path."""
         from ..pictures.plotting import animate
 
@@ -307,7 +323,7 @@ class CrackGrowth:
         return animate(self.solutions, path, titles, scale, seconds)
 
 
-def trials(cracks, row, frame, advance):
+def trials(cracks: list[Crack], row: TipStep, frame: TipFrame, advance: float) -> Iterator[list[Crack]]:
     """The cracks with the new part; with a kink also with it up to an element further ahead: a crack may pass an element once only."""
     tip, ahead, direction = np.array(frame.tip.point), np.array(frame.tip.ahead), turned(frame, row.angle)
     if row.angle == 0:
@@ -318,18 +334,18 @@ def trials(cracks, row, frame, advance):
         yield with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tuple(kink), tuple(kink + (advance - shift) * direction)))
 
 
-def turned(frame, angle):
+def turned(frame: TipFrame, angle: float) -> np.ndarray:
     """The direction at an angle in degrees from ahead of a tip."""
     ahead, turn = np.array(frame.tip.ahead), angle * pi / 180
     return cos(turn) * ahead + sin(turn) * np.array([-ahead[1], ahead[0]])
 
 
-def with_crack(cracks, number, crack):
+def with_crack(cracks: list[Crack], number: int, crack: Crack) -> list[Crack]:
     """The list with one crack replaced."""
     return [crack if i == number else other for i, other in enumerate(cracks)]
 
 
-def extended(crack, end, kink, tip):
+def extended(crack: Crack, end: str, kink: tuple[float, float] | None, tip: tuple[float, float]) -> Crack:
     """The crack with a straight new part up to a tip, from a kink at or ahead of its start or end; kink=None: its last straight piece is prolonged."""
     between = [] if kink is None else [kink]
     if all(kind == "segment" for kind, _ in crack.pieces):
@@ -339,7 +355,7 @@ def extended(crack, end, kink, tip):
     return Crack.Join(Crack(new[::-1]), crack) if end == "start" else Crack.Join(crack, Crack(new))
 
 
-def tip_number(body, crack, end):
+def tip_number(body: CrackedMesh, crack: int, end: str) -> int:
     """The place of a crack's end in body.tips. Raises ValueError if it is none."""
     for number, tip in enumerate(body.tips):
         if (tip.crack, ENDS[int(tip.s > 0)]) == (crack, end):
@@ -347,7 +363,7 @@ def tip_number(body, crack, end):
     raise ValueError(f"the {end} of crack {crack} would lie on the boundary")
 
 
-def check_room(body, material, crack, end):
+def check_room(body: CrackedMesh, material: Isotropic, crack: int, end: str) -> None:
     """Raises ValueError unless this end of the crack is a tip with a disk of two elements around it."""
     number = tip_number(body, crack, end)
     frame = TipFrame(body, number)

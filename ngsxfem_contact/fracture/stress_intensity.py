@@ -6,7 +6,10 @@ of λ_h and R_h(u_h) + r_0 is taken, and half of their difference is part of the
 I(u, mode of unit K) = (κ+1)/(4μ) K, and I(u,u) = 2G.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import CF, H1, L2, GridFunction, IfPos, InnerProduct, Integrate, grad
@@ -19,6 +22,14 @@ from ..spaces.unknowns import Unknowns
 from .factor_error import reported_error
 from .tip_fields import SIDE, TipFrame
 from .tip_integral import GivenStress, TipField, TipIntegral, auxiliary_field, elements_within, mode_fields
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ngsolve import CoefficientFunction
+
+    from ..contact.solution import ContactSolution
+    from ..material import Elasticity, Isotropic
 
 RADII = (1, 0.75, 0.5)  # of the disks that are compared, relative to the largest
 
@@ -34,11 +45,11 @@ class StressIntensityFactors:
     K_I: float
     K_II: float
     error: float = float("nan")
-    radii: tuple = ()
+    radii: tuple[float, ...] = ()
     by_radius: np.ndarray | None = field(default=None, repr=False)
-    modes: tuple | None = None
+    modes: tuple[float, ...] | None = None
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[float]:
         return iter((self.K_I, self.K_II))
 
 
@@ -53,10 +64,10 @@ class EnergyReleaseRate:
     G: float
     irwin: float
     error: float
-    radii: tuple
+    radii: tuple[float, ...]
     by_radius: np.ndarray = field(repr=False)
 
-    def __float__(self):
+    def __float__(self) -> float:
         return self.G
 
 
@@ -69,19 +80,19 @@ class TStress:
 
     T: float
     error: float
-    radii: tuple
+    radii: tuple[float, ...]
     by_radius: np.ndarray = field(repr=False)
 
-    def __float__(self):
+    def __float__(self) -> float:
         return self.T
 
 
-def material_at(solution, tip):
+def material_at(solution: ContactSolution, tip: int) -> Elasticity:
     """The Elasticity of the region that holds a tip."""
     return solution.problem.material.At(solution.body.mesh, solution.body.tips[tip].point)
 
 
-def solution_field(solution, frame):
+def solution_field(solution: ContactSolution, frame: TipFrame) -> TipField:
     """u with its load, its given stress, and what acts on the lips: the contact pressure from λ_h and R_h(u_h), λ_t, given tractions, joints."""
     body, load = solution.body, solution.load
     gradient = {side: Gradient(solution.u, side) for side in (None, *SIDE)}
@@ -99,7 +110,7 @@ def solution_field(solution, frame):
     return TipField(gradient, stress, {"plus": contact - own.plus, "minus": contact + own.minus}, body_force, given_stress(solution, frame))
 
 
-def given_stress(solution, frame):
+def given_stress(solution: ContactSolution, frame: TipFrame) -> GivenStress | None:
     """The GivenStress of a solution, or None; its derivative is that of its projection onto polynomials on each element.
 
     Raises ValueError for a stress that jumps near the tip, whose derivative is no function.
@@ -122,7 +133,7 @@ def given_stress(solution, frame):
     return GivenStress(given, CF(tuple(parts), dims=(2, 2)))
 
 
-def pressures(solution):
+def pressures(solution: ContactSolution) -> tuple[GridFunction, CoefficientFunction]:
     """λ_h, and instead of it, where the faces touch, the mean of R_h(u_h) + r_0 from both sides: both ≤ 0 in exact contact."""
     mean = sum(0.5 * solution.Traction(NORMAL, side) for side in SIDE)
     if solution.a.joint is not None:
@@ -131,7 +142,7 @@ def pressures(solution):
     return solution.multiplier, IfPos(-solution.multiplier - threshold, mean, solution.multiplier)
 
 
-def doubtful_traction(solution):
+def doubtful_traction(solution: ContactSolution) -> CoefficientFunction:
     """By how much λ_h differs from the mean of R_h(u_h) + r_0 from both sides where the faces touch, a vector on the cracks; friction goes with it."""
     body, (multiplier, mean) = solution.body, pressures(solution)
     direction = body.normal
@@ -140,7 +151,7 @@ def doubtful_traction(solution):
     return (multiplier - mean) * direction
 
 
-def disks(frame, solution, radius):
+def disks(frame: TipFrame, solution: ContactSolution, radius: float | None) -> tuple[float, ...]:
     """The radii of the domains of integration: that given, or eight elements if there is room, and parts of it.
 
     Raises ValueError if a disk leaves the body or the material of the tip, meets another crack, a point load or a loaded inner interface, or
@@ -171,7 +182,7 @@ class InteractionIntegral:
 
     radius: float | None = None
 
-    def Evaluate(self, solution, tip):
+    def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
         """StressIntensityFactors of the largest domain, with their change over three and with the pressure."""
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
         u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
@@ -194,7 +205,7 @@ class ModeCoefficients:
     polynomials would take over √r.
     """
 
-    def Evaluate(self, solution, tip):
+    def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
         """Raises ValueError if the space has no modes at the tip."""
         modes = mode_coefficients(solution, tip)
         if modes is None:
@@ -209,10 +220,10 @@ class JumpExtrapolation:
 
     points: int = 40
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_whole(self.points, "JumpExtrapolation: points", 2)
 
-    def Evaluate(self, solution, tip):
+    def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
         """Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent."""
         if solution.problem.V.tip_specs[tip] is None:
             raise ValueError(f"StressIntensity: the space has no functions at tip {tip}, so the jump there is wrong; use method='interaction'")
@@ -228,7 +239,7 @@ class JumpExtrapolation:
 METHODS = {"interaction": InteractionIntegral, "modes": ModeCoefficients, "jump": JumpExtrapolation}
 
 
-def mode_coefficients(solution, tip):
+def mode_coefficients(solution: ContactSolution, tip: int) -> tuple[float, ...] | None:
     """The coefficients of the modes at a tip, or None if the space has none there."""
     V = solution.problem.V
     spec = V.tip_specs[tip]
@@ -237,7 +248,7 @@ def mode_coefficients(solution, tip):
     return tuple(float(solution.u.vec[dof]) for dof in Unknowns(V).Tip(tip))
 
 
-def stress_intensity(solution, tip, method, radius):
+def stress_intensity(solution: ContactSolution, tip: int, method: Any, radius: float | None) -> StressIntensityFactors:
     """What ContactSolution.StressIntensity documents."""
     check_item(tip, solution.body.tips, "tip", "body.tips")
     if isinstance(method, str):
@@ -253,7 +264,7 @@ def stress_intensity(solution, tip, method, radius):
     return method.Evaluate(solution, tip)
 
 
-def t_stress(solution, tip, radius):
+def t_stress(solution: ContactSolution, tip: int, radius: float | None) -> TStress:
     """What ContactSolution.TStress documents.
 
     For a constant stress σ = C:ε + σ⁰ at the tip, I with the field of a unit force is ε_ee - σ_nn (κ-1)/(4μ): the second part, since that field
@@ -269,18 +280,18 @@ def t_stress(solution, tip, radius):
     return TStress(float(T[0]), float(np.ptp(T)) + doubt, radii, T)
 
 
-def before_tip(solution, frame, function):
+def before_tip(solution: ContactSolution, frame: TipFrame, function: CoefficientFunction) -> np.ndarray:
     """Values of a function over the last element before a tip, an array."""
     s = np.clip(np.abs(frame.tip.s - frame.h * np.linspace(0.05, 1, 20)), 0, frame.crack.length)
     return function(crack_points(solution.body, frame.tip.crack, s)).ravel()
 
 
-def is_closed(solution, tip):
+def is_closed(solution: ContactSolution, tip: int) -> bool:
     """Whether the faces press on each other over most of the last element before a tip."""
     return bool(np.median(before_tip(solution, TipFrame(solution.body, tip), solution.multiplier)) < 0)
 
 
-def constant_at_tip(solution, frame, material):
+def constant_at_tip(solution: ContactSolution, frame: TipFrame, material: Isotropic) -> tuple[float, float]:
     """(σ_nn + σ⁰_ee - ν' σ⁰_nn at a tip, its doubt): what the lips carry, and the given stress, as a line through the last element says, and half of what bends it."""
     given, normal, tractions = solution.load.stress, solution.body.normal, solution.FaceTractions()
     constant = solution.multiplier - 0.5 * InnerProduct(tractions.plus - tractions.minus, normal)
@@ -291,7 +302,7 @@ def constant_at_tip(solution, frame, material):
     return float(line), 0.5 * abs(float(line - parabola))
 
 
-def energy_release_rate(solution, tip, radius):
+def energy_release_rate(solution: ContactSolution, tip: int, radius: float | None) -> EnergyReleaseRate:
     """What ContactSolution.EnergyReleaseRate documents."""
     check_item(tip, solution.body.tips, "tip", "body.tips")
     material, frame = material_at(solution, tip), TipFrame(solution.body, tip)

@@ -1,6 +1,9 @@
 """Coordinates at a tip, the weight q of domain integrals, and the gradients of the two modes of docs/method.md, section 3."""
 
+from __future__ import annotations
+
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
@@ -8,10 +11,18 @@ from ngsolve import BND, CF, IfPos, sqrt, x, y
 from ..pictures.split_mesh import mesh_arrays
 from ..points import distance_to_segments
 
+if TYPE_CHECKING:
+    from ngsolve import CoefficientFunction, Mesh
+
+    from .._ngsxfem_contact import CrackedMesh
+    from ..material import Isotropic
+
 SIDE = {"plus": 1, "minus": -1}
 
 
-def half_angle(X, Y, r, side=None):
+def half_angle(
+    X: CoefficientFunction, Y: CoefficientFunction, r: CoefficientFunction, side: CoefficientFunction | int | None = None
+) -> tuple[CoefficientFunction, CoefficientFunction]:
     """√r cos(θ/2), √r sin(θ/2), θ the angle of (X, Y).
 
     side: None for θ in (-π, π]; otherwise ±1, which of the two sides of the cut a point with X < 0 belongs to: the cut
@@ -27,7 +38,7 @@ def half_angle(X, Y, r, side=None):
 class TipFrame:
     """Coordinates X, Y, r at a tip of `body.tips`, X ahead; θ = ±π on the lips, at the tip and along the crack as it bends."""
 
-    def __init__(self, body, number):
+    def __init__(self, body: CrackedMesh, number: int) -> None:
         self.body, self.tip = body, body.tips[number]
         self.crack = body.cracks[self.tip.crack]
         a, b = self.tip.ahead
@@ -38,41 +49,41 @@ class TipFrame:
         self.orientation = 1 if self.tip.s > 0 else -1  # the sign of θ on the plus side
 
     @property
-    def h(self):
+    def h(self) -> float:
         """The longest edge of the largest element that carries the tip."""
         at_tip = lambda location: min(abs(s - self.tip.s) for s in location.arclength) <= 1e-9 * self.crack.length
         return max(location.h for location in self.body.Elements(self.tip.crack) if at_tip(location))
 
-    def Weight(self, radius):
+    def Weight(self, radius: float) -> CoefficientFunction:
         """q = 1 - t³ (10 - 15 t + 6 t²), t = r/radius: 1 at the tip, 0 for r ≥ radius, C²."""
         t = self.r / radius
         return IfPos(1 - t, 1 - t**3 * (10 - 15 * t + 6 * t**2), 0)
 
-    def WeightGradient(self, radius):
+    def WeightGradient(self, radius: float) -> CoefficientFunction:
         """∇q."""
         t = self.r / radius
         return IfPos(1 - t, -30 * t * (1 - t) ** 2 / radius**2, 0) * (self.X * self.ahead + self.Y * self.left)
 
-    def ModeGradients(self, material, side=None):
+    def ModeGradients(self, material: Isotropic, side: str | None = None) -> list[CoefficientFunction]:
         """∂_j u_i of the fields of unit K_I and of unit K_II; side: None by position, or "plus", "minus" of the crack."""
         H = self.crack.side if side is None else SIDE[side]
         C, S = half_angle(self.X, self.Y, self.r, self.orientation * H)
         root = sqrt(self.r)
         return [self._gradient(material.mu, *angular) for angular in _angular(material.kappa, C / root, S / root)]
 
-    def _gradient(self, mu, g, dg):
+    def _gradient(self, mu: float, g: CoefficientFunction, dg: CoefficientFunction) -> CoefficientFunction:
         """Of √r g(θ) / (2μ√(2π)) in the tip's frame, dg = g'."""
         cos, sin = self.X / self.r, self.Y / self.r
         along, across = 0.5 * cos * g - sin * dg, 0.5 * sin * g + cos * dg
         scale = 1 / (2 * mu * sqrt(2 * pi * self.r))
         return self._matrix([scale * (along[i] * self.ahead + across[i] * self.left) for i in range(2)])
 
-    def _matrix(self, rows):
+    def _matrix(self, rows: list[CoefficientFunction]) -> CoefficientFunction:
         """The gradient of a displacement whose components ahead and to the left have these gradients."""
         a, b = self.ahead, self.left
         return CF(tuple(a[i] * rows[0][j] + b[i] * rows[1][j] for i in range(2) for j in range(2)), dims=(2, 2))
 
-    def PointForceGradient(self, material):
+    def PointForceGradient(self, material: Isotropic) -> CoefficientFunction:
         """∂_j u_i under a unit force ahead in the tip, the crack on θ = ±π: σ_rr = -cos θ / (π r) and no other stress.
 
         It has one value on both lips.    Source: Cardew, Goldthorpe, Howard, Kfouri (1984).
@@ -84,7 +95,7 @@ class TipFrame:
         rows = [scale * ((cos * dr - sin * dt) * self.ahead + (sin * dr + cos * dt) * self.left) for dr, dt in zip(along_r, across)]
         return self._matrix(rows)
 
-    def Clearance(self, material=None, obstacles=()):
+    def Clearance(self, material: Isotropic | None = None, obstacles: list[tuple[float, str]] | tuple[()] = ()) -> tuple[float, str]:
         """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
 
         material: with that of several regions also of the regions that are not of the tip's material.
@@ -107,19 +118,19 @@ class TipFrame:
         return min(found)
 
 
-def boundary_segments(mesh):
+def boundary_segments(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Their two ends, (n, 2) each, without those of inner interfaces."""
     outer = [el for el in mesh.Elements(BND) if len(mesh[el.edges[0]].elements) == 1]
     return tuple(np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
 
 
-def distance_to_boundary(mesh, point):
+def distance_to_boundary(mesh: Mesh, point: np.ndarray) -> float:
     """Of a point from ∂Ω, without inner interfaces."""
     a, b = boundary_segments(mesh)
     return distance_to_segments(a, b, point)
 
 
-def distance_along(mesh, point, direction):
+def distance_along(mesh: Mesh, point: np.ndarray, direction: np.ndarray) -> float:
     """From a point inside in a direction of unit length to ∂Ω."""
     a, b = boundary_segments(mesh)
     side = b - a
@@ -131,16 +142,18 @@ def distance_along(mesh, point, direction):
     return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min()
 
 
-def distance_to_others(mesh, point, material):
+def distance_to_others(mesh: Mesh, point: np.ndarray, material: Isotropic) -> float:
     """Of a point from the triangles of another material than that at the point; inf if there are none."""
-    here = material.At(mesh, point)
+    here = material.At(mesh, tuple(point))
     other = np.array([region != here for region in material.regions])
     vertices, triangles = mesh_arrays(mesh)
     corners = vertices[triangles[other[[el.index for el in mesh.Elements()]]]]
     return distance_to_segments(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), point) if len(corners) else np.inf
 
 
-def _angular(kappa, c, s):
+def _angular(
+    kappa: float, c: CoefficientFunction, s: CoefficientFunction
+) -> tuple[tuple[CoefficientFunction, CoefficientFunction], tuple[CoefficientFunction, CoefficientFunction]]:
     """g(θ) and g'(θ) of the two modes √r g, c = cos(θ/2), s = sin(θ/2)."""
     first = CF((c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c)))
     d_first = CF((s * (-0.5 * (kappa - 1) - s * s + 2 * c * c), c * (0.5 * (kappa + 1) - c * c + 2 * s * s)))

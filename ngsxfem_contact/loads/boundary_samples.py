@@ -1,7 +1,19 @@
 """Where displacements given on the boundary must fit together: at corners between regions, and at the two faces of a mouth."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import BND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ngsolve import CoefficientFunction
+
+    from .._ngsxfem_contact import CrackedMesh
+    from .supports import HeldSide
 
 BESIDE = 1e-6  # of an edge: how far beside a mouth a given displacement is read
 AT = 1e-8  # of an edge: a mouth nearer to a vertex is at the vertex
@@ -14,7 +26,7 @@ class BoundarySamples:
     side (±1 beside mouths).    mouths: (number of the crack, arc length) of each.    length: of the boundary elements.
     """
 
-    def __init__(self, body):
+    def __init__(self, body: CrackedMesh) -> None:
         self.body = body
         elements = list(body.mesh.Elements(BND))
         corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
@@ -35,7 +47,7 @@ class BoundarySamples:
         self.element, self.vertex, self.mouth, self.side = (column.astype(int) for column in (element, vertex, mouth, side))
         self.region = np.array([element.index for element in elements])[self.element]
 
-    def Values(self, function, region):
+    def Values(self, function: CoefficientFunction, region: int) -> np.ndarray:
         """A CoefficientFunction at the points of a region, NaN at the others: (rows, components)."""
         rows = self.region == region
         n = np.count_nonzero(rows)
@@ -45,24 +57,24 @@ class BoundarySamples:
         values[rows] = function(points).reshape(n, -1)
         return values
 
-    def Zero(self, region):
+    def Zero(self, region: int) -> np.ndarray:
         """Zero at the points of a region, NaN at the others."""
         return np.where(self.region == region, 0, np.nan)
 
-    def Lengths(self, region, functions):
+    def Lengths(self, region: int, functions: np.ndarray) -> np.ndarray:
         """The length of the part of a region at the vertex of each φ_i; 1 for functions of edges, which belong to one region alone."""
         ends = np.flatnonzero((self.region == region) & (self.vertex >= 0))
         of_vertex = np.bincount(self.vertex[ends], self.length[self.element[ends]], minlength=self.body.mesh.nv)
         return np.where(functions < len(of_vertex), of_vertex[np.minimum(functions, len(of_vertex) - 1)], 1)
 
-    def Corners(self):
+    def Corners(self) -> list[np.ndarray]:
         """Arrays of the rows at each vertex at which regions meet and no crack ends."""
         rows = np.flatnonzero((self.vertex >= 0) & (self.mouth < 0))
         rows = rows[np.argsort(self.vertex[rows], kind="stable")]
         groups = np.split(rows, np.flatnonzero(np.diff(self.vertex[rows])) + 1)
         return [group for group in groups if len(set(self.region[group])) > 1]
 
-    def NormalJumps(self, sides):
+    def NormalJumps(self, sides: dict[tuple[int, int], HeldSide]) -> np.ndarray:
         """The normal jump n·(u⁺ - u⁻) that is given at each mouth; NaN where it is not given on both faces.
 
         sides: (region, component) → HeldSide.
@@ -75,14 +87,14 @@ class BoundarySamples:
                     jumps[number] += normal * (self._given(sides, number, 1, component) - self._given(sides, number, -1, component))
         return jumps
 
-    def _given(self, sides, mouth, side, component):
+    def _given(self, sides: dict[tuple[int, int], HeldSide], mouth: int, side: int, component: int) -> float:
         """What is given on one face of a mouth, NaN if nothing is."""
         rows = np.flatnonzero((self.mouth == mouth) & (self.side == side))
         given = [sides[self.region[row], component].samples[row] for row in rows if (self.region[row], component) in sides]
         return given[0] if given else np.nan
 
 
-def mouths_of(body):
+def mouths_of(body: CrackedMesh) -> Iterator[tuple[int, float]]:
     """(number of the crack, arc length) of the ends of cracks on the boundary."""
     tips = {(tip.crack, round(tip.s / body.cracks[tip.crack].length)) for tip in body.tips}
     for number, crack in enumerate(body.cracks):
@@ -91,7 +103,7 @@ def mouths_of(body):
                 yield number, end * crack.length
 
 
-def elements_at(edges, point):
+def elements_at(edges: np.ndarray, point: tuple[float, float]) -> Iterator[tuple[int, float]]:
     """(number, reference coordinate) of the boundary edges (n, 2, 2) on which a point lies; beside a curved boundary that of the nearest chord."""
     to_first, to_second, length = (np.hypot(*vectors.T) for vectors in (edges[:, 0] - point, edges[:, 1] - point, edges[:, 1] - edges[:, 0]))
     detour = (to_first + to_second) / length - 1

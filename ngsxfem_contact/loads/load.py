@@ -1,7 +1,10 @@
 """The forms that a user adds to, and what a solution was solved for: loads on the body, on its faces, given stresses."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import BND, Integrate, LinearForm, fem
@@ -22,6 +25,12 @@ from .terms import (
     tested,
 )
 
+if TYPE_CHECKING:
+    from ngsolve import BilinearForm, BitArray, CoefficientFunction, GridFunction
+
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, FormTerm
+    from ..operators import Component
+
 NAME_F, NAME_A = "problem.f", "problem.a"
 SIDES = ("minus", "larger", "plus")
 
@@ -34,17 +43,17 @@ class LoadForm(LinearForm):
     Raises TypeError and ValueError for what has no meaning here, see `terms.checked_terms`, and for trial functions.
     """
 
-    def __init__(self, V):
+    def __init__(self, V: CrackFESpace) -> None:
         super().__init__(V)
         self.V, self.given = V, []
 
-    def __iadd__(self, form):
+    def __iadd__(self, form: Any) -> LoadForm:
         given = [PointLoad(form)] if isinstance(form, fem.PointEvaluationFunctional) else self._checked(form)
         super().__iadd__(form)
         self.given += given
         return self
 
-    def _checked(self, form):
+    def _checked(self, form: Any) -> list[GivenTerm]:
         terms = checked_terms(form, self.V, NAME_F)
         if any(term.trial for term in terms):
             raise ValueError(f"{NAME_F}: a linear form holds no trial function; springs and elastic joints are added to {NAME_A}")
@@ -52,11 +61,11 @@ class LoadForm(LinearForm):
             check_linear(term, NAME_F)
         return [GivenTerm(term) for term in terms]
 
-    def Vector(self):
+    def Vector(self) -> np.ndarray:
         """F of (38), an array."""
         return self.Assemble().vec.FV().NumPy().copy()
 
-    def ReplacedBy(self, form):
+    def ReplacedBy(self, form: LinearForm) -> LoadForm:
         """The LoadForm that takes the place of this one: itself, or a new one for an empty LinearForm of NGSolve.
 
         Raises TypeError for others, whose terms are not known.
@@ -73,14 +82,14 @@ class PointLoad:
 
     tractions = stress = None
 
-    def __init__(self, functional):
+    def __init__(self, functional: fem.PointEvaluationFunctional) -> None:
         self.form, self.point = functional, core.PointOf(functional)
 
-    def BodyForce(self, field, elements):
+    def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """0: domains of integration keep clear of the point."""
         return 0.0
 
-    def Obstacle(self, point):
+    def Obstacle(self, point: tuple[float, float]) -> tuple[float, str]:
         """(distance, what) that a domain of integration around a point has to keep clear of."""
         return float(np.hypot(*np.subtract(self.point, point))), "a point load"
 
@@ -88,27 +97,27 @@ class PointLoad:
 class GivenTerm:
     """One integral of a load. tractions: what it does on the faces, or None.    stress: the given stress σ⁰ that it is, or None."""
 
-    def __init__(self, term):
+    def __init__(self, term: FormTerm) -> None:
         self.term, self.form, self.place = term, term.form, place_of(term)
 
     @cached_property
-    def tractions(self):
+    def tractions(self) -> FaceTractions | None:
         """FaceTractions of a term over the cracks."""
         return FaceTractions(*coefficient_of_limits(self.term)) if self.place == "crack" else None
 
     @cached_property
-    def stress(self):
+    def stress(self) -> CoefficientFunction | None:
         """σ⁰ of a term -∫σ⁰:∇v."""
         S = coefficient_of_gradient(self.term) if self.place == "bulk" else None
         return None if S is None else -1 * S
 
-    def BodyForce(self, field, elements):
+    def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """∫ f·field over some elements (BitArray), f the body force."""
         if self.place != "bulk":
             return 0.0
         return Integrate(core.InnerIntegrals(tested(self.term, {"Id": field}.get), elements), self.term.body.mesh)
 
-    def Obstacle(self, point):
+    def Obstacle(self, point: tuple[float, float]) -> tuple[float, str]:
         """(distance, what) that a domain of integration around a point has to keep clear of: a loaded inner interface."""
         if self.place != "boundary":
             return float("inf"), ""
@@ -116,7 +125,7 @@ class GivenTerm:
         return distance_to_segments(a, b, np.asarray(point)), "a loaded inner interface"
 
     @cached_property
-    def _inner_interface(self):
+    def _inner_interface(self) -> tuple[np.ndarray, np.ndarray]:
         return inner_interface(self.term)
 
 
@@ -124,45 +133,45 @@ class GivenTerm:
 class LoadTerms:
     """Σ factor · given: what a solution was solved for, whatever is added to the problem's forms later."""
 
-    parts: tuple = ()
+    parts: tuple[tuple[float, PointLoad | GivenTerm], ...] = ()
 
     @staticmethod
-    def Of(form):
+    def Of(form: LoadForm) -> LoadTerms:
         """What a LoadForm holds now."""
         return LoadTerms(tuple((1.0, given) for given in form.given))
 
-    def __add__(self, other):
+    def __add__(self, other: LoadTerms) -> LoadTerms:
         return LoadTerms(self.parts + other.parts)
 
-    def __rmul__(self, factor):
+    def __rmul__(self, factor: float) -> LoadTerms:
         return LoadTerms(tuple((factor * f, given) for f, given in self.parts))
 
     @cached_property
-    def tractions(self):
+    def tractions(self) -> FaceTractions:
         """The FaceTractions that are given on the cracks."""
         return sum((factor * given.tractions for factor, given in self.parts if given.tractions), FaceTractions())
 
     @cached_property
-    def stress(self):
+    def stress(self) -> CoefficientFunction | None:
         """The given stress σ⁰, a 2 × 2 CoefficientFunction, or None."""
         stresses = [factor * given.stress for factor, given in self.parts if given.stress is not None]
         return sum(stresses[1:], stresses[0]) if stresses else None
 
     @property
-    def acts_on_faces(self):
+    def acts_on_faces(self) -> bool:
         """Whether tractions of the faces or a stress are given: else r_0 = 0."""
         return self.stress is not None or any(given.tractions for _, given in self.parts)
 
-    def Shift(self, component, side, body):
+    def Shift(self, component: Component, side: str | None, body: CrackedMesh) -> CoefficientFunction:
         """r_0 of a side: the given part of what the multiplier is compared with."""
         shift = self.tractions.Shift(component, side, body)
         return shift if self.stress is None else shift + component.traction(body.LimitOnCrack(self.stress, SIDES.index(side) - 1), body)
 
-    def BodyForce(self, field, elements):
+    def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """∫ f·field, f the body force, over some elements (BitArray) in which the field is not zero."""
         return sum(factor * given.BodyForce(field, elements) for factor, given in self.parts if factor)
 
-    def Vector(self, V):
+    def Vector(self, V: CrackFESpace) -> np.ndarray:
         """F of these terms, with the values that its coefficients have now."""
         total = np.zeros(V.ndof)
         for factor, given in self.parts:
@@ -171,12 +180,12 @@ class LoadTerms:
             total += factor * form.Assemble().vec.FV().NumPy()
         return total
 
-    def Obstacles(self, point):
+    def Obstacles(self, point: tuple[float, float]) -> list[tuple[float, str]]:
         """What a domain of integration around a point must not meet: pairs (distance, what)."""
         return [given.Obstacle(point) for factor, given in self.parts if factor]
 
 
-def check_unchanged(load, F, V, when):
+def check_unchanged(load: LoadTerms, F: np.ndarray, V: CrackFESpace, when: str) -> None:
     """Raises ValueError if the coefficients of an LoadTerms do not give F any more."""
     now = load.Vector(V)
     if not np.allclose(now, F, rtol=1e-9, atol=1e-9 * np.abs(F).max(initial=0)):
@@ -185,7 +194,7 @@ def check_unchanged(load, F, V, when):
         )
 
 
-def check_symmetric_stress(form):
+def check_symmetric_stress(form: LoadForm) -> None:
     """Raises ValueError for an initial stress, as a LoadForm, whose matrix is not symmetric."""
     for given in form.given:
         xx, xy, yx, yy = (np.ravel(given.stress[i, j](sample_points(given.term))) for i in (0, 1) for j in (0, 1))
@@ -193,7 +202,7 @@ def check_symmetric_stress(form):
             raise ValueError("ContactProblem: initial_stress is not symmetric; give CF((xx, xy, xy, yy), dims=(2, 2))")
 
 
-def inner_interface(term):
+def inner_interface(term: FormTerm) -> tuple[np.ndarray, np.ndarray]:
     """The ends a, b (n, 2) of the boundary elements of a term over the boundary that lie inside of the body."""
     mesh, chosen = term.body.mesh, elements_of(term)
     inner = [el for el in mesh.Elements(BND) if chosen[el.nr] and len(mesh[el.edges[0]].elements) > 1]
@@ -207,22 +216,22 @@ class StiffnessForm:
     Raises as LoadForm, and ValueError for terms that are not symmetric and for terms in gradients.
     """
 
-    def __init__(self, V):
+    def __init__(self, V: CrackFESpace) -> None:
         self.V, self.terms = V, []
 
-    def __iadd__(self, form):
+    def __iadd__(self, form: Any) -> StiffnessForm:
         terms = checked_terms(form, self.V, NAME_A)
         for term in terms:
             check_bilinear(term)
         self.terms += terms
         return self
 
-    def AddTo(self, form):
+    def AddTo(self, form: BilinearForm) -> None:
         """Adds the terms to an NGSolve BilinearForm."""
         for term in self.terms:
             form += term.form
 
-    def Forces(self, u):
+    def Forces(self, u: GridFunction) -> np.ndarray:
         """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body."""
         operator = lambda name: u if name == "Id" else u.Operator(name)
         form = LinearForm(self.V)
@@ -230,31 +239,31 @@ class StiffnessForm:
             form += term.form.Replace(replaced(term.trial, operator))
         return form.Assemble().vec.FV().NumPy().copy() if self.terms else np.zeros(self.V.ndof)
 
-    def Copy(self):
+    def Copy(self) -> StiffnessForm:
         """The terms that there are now."""
         copy = StiffnessForm(self.V)
         copy.terms = list(self.terms)
         return copy
 
-    def BodyForce(self, u, field, elements):
+    def BodyForce(self, u: GridFunction, field: CoefficientFunction, elements: BitArray | None) -> float:
         """∫ f·field over some elements (BitArray), f what foundations in the body exert for a GridFunction u."""
         of = lambda term: replaced(term.trial, {"Id": u}.get) | replaced(term.test, {"Id": field}.get)
         bulk = [term.form.Replace(of(term)) for term in self.terms if place_of(term) == "bulk"]
         return -sum(Integrate(core.InnerIntegrals(form, elements), self.V.mesh) for form in bulk)
 
-    def Obstacles(self, point):
+    def Obstacles(self, point: tuple[float, float]) -> list[tuple[float, str]]:
         """What a domain of integration around a point must not meet: inner interfaces on springs."""
         ends = [inner_interface(term) for term in self.terms if place_of(term) == "boundary"]
         return [(distance_to_segments(a, b, np.asarray(point)), "an inner interface on springs") for a, b in ends]
 
     @property
-    def joint(self):
+    def joint(self) -> Joint | None:
         """The Joint of the terms over the cracks, or None."""
         terms = [term for term in self.terms if place_of(term) == "crack"]
         return Joint(terms) if terms else None
 
 
-def check_bilinear(term):
+def check_bilinear(term: FormTerm) -> None:
     """Raises ValueError for a term without trial or test function, with gradients, that is not linear in either, or not symmetric."""
     if not term.trial or not term.test:
         raise ValueError(f"{NAME_A}: a term needs a trial and a test function, u and v of V.TnT(); loads are added to {NAME_F}")

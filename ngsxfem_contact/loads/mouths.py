@@ -1,15 +1,26 @@
 """The weight of the L² projection of given displacements where a crack cuts a boundary edge."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import BND, BilinearForm, CoefficientFunction, GridFunction, IfPos, SurfaceL2, x, y
 
 from ..algebra.matrices import to_scipy
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace
+
 PROJECTION_BONUS = 4  # of the rules' order, one for both sides of the projection: on curved edges no order is exact
 SHORT = 1e-4  # of an edge: on a shorter part only the functions of the vertex in it are given
 
 
-def mouth_weight(body, power=3):
+def mouth_weight(body: CrackedMesh, power: int = 3) -> CoefficientFunction:
     """(ℓ/ℓ_s)³ on the shorter part, of length ℓ_s, of an edge of length 2ℓ that a crack cuts, 1 elsewhere; at most (ℓ/SHORT)³.
 
     On a short part the functions that live there alone would make up for the error that their neighbours have at its end,
@@ -27,13 +38,13 @@ def mouth_weight(body, power=3):
     return weight
 
 
-def boundary_mass(V, region, weight):
+def boundary_mass(V: CrackFESpace, region: str, weight: CoefficientFunction) -> csr_matrix:
     """∫ weight u·v over a boundary region, scipy CSR."""
     u, v = V.TnT()
     return to_scipy(BilinearForm(weight * u * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS)).Assemble().mat)
 
 
-def short_traces(V, region):
+def short_traces(V: CrackFESpace, region: str) -> np.ndarray:
     """Unknowns whose function has a trace on the region, but on a short part of an edge and smaller than SHORT there.
 
     They cannot be read off their traces; left free they change a given displacement by SHORT² of an edge times the jump.
@@ -42,7 +53,7 @@ def short_traces(V, region):
     return np.flatnonzero((size > 0) & (size < SHORT**2 * size.max()))
 
 
-def mouths(body, edges):
+def mouths(body: CrackedMesh, edges: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """(number, point) of the boundary edges (n, 2, 2) that a crack cuts at one of its ends: those that the space takes for cut."""
     for i, crack in enumerate(body.cracks):
         for number, point in body.CutBoundaryPoints(i):

@@ -1,12 +1,22 @@
 """The forces of the supports: the residual of the first row of (38), tested with rigid motions."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import BND, ElementId, GridFunction, x, y
 
 from ..spaces.unknowns import Unknowns
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ngsolve import CoefficientFunction, Mesh
+
+    from .._ngsxfem_contact import CrackFESpace
 
 
 @dataclass(frozen=True)
@@ -20,9 +30,9 @@ class Holder:
     name: str
     dofs: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     shares: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    point: tuple | None = None
+    point: tuple[float, ...] | None = None
 
-    def __add__(self, other):
+    def __add__(self, other: Holder) -> Holder:
         dofs, position = np.unique(np.concatenate([self.dofs, other.dofs]), return_inverse=True)
         return Holder(self.name, dofs, np.bincount(position, np.concatenate([self.shares, other.shares]), len(dofs)), self.point)
 
@@ -37,22 +47,22 @@ class SupportForce:
     name: str
     force: np.ndarray
     moment: float
-    point: tuple | None = None
+    point: tuple[float, ...] | None = None
 
 
-class SupportForces(list):
+class SupportForces(list[SupportForce]):
     """SupportForce rows; prints as a table."""
 
     @property
-    def total(self):
+    def total(self) -> SupportForce:
         """The SupportForce of all: minus the resultant of the loads."""
         return SupportForce("all", sum((row.force for row in self), np.zeros(2)), sum(row.moment for row in self))
 
-    def OfBoundaries(self, names):
+    def OfBoundaries(self, names: set[str]) -> np.ndarray:
         """(F_x, F_y) of the boundaries with some names, zero where they hold nothing."""
         return sum((row.force for row in self if row.point is None and row.name in names), np.zeros(2))
 
-    def OfPin(self, point):
+    def OfPin(self, point: Sequence[float]) -> np.ndarray:
         """(F_x, F_y) of the pin at a point; raises ValueError where there is none."""
         pins = [row for row in self if row.point is not None]
         for row in pins:
@@ -60,7 +70,7 @@ class SupportForces(list):
                 return row.force
         raise ValueError(f"Reaction: {point!r} is neither the name of a boundary nor the point of a pin; there are {[row.point for row in pins] or 'no pins'}")
 
-    def __str__(self):
+    def __str__(self) -> str:
         rows = [*self, self.total]
         width = max(len(row.name) for row in rows)
         lines = [f"{row.name:{width}}  {row.force[0]:14.6g} {row.force[1]:14.6g} {row.moment:14.6g}" for row in rows]
@@ -90,12 +100,12 @@ class SupportResidual:
     springs: what the terms of problem.a exert.
     """
 
-    holders: list
-    edges: list
+    holders: list[Holder]
+    edges: list[CornerEdge]
     exerted: np.ndarray
     springs: np.ndarray
 
-    def Forces(self, V, stress):
+    def Forces(self, V: CrackFESpace, stress: CoefficientFunction) -> SupportForces:
         """The SupportForces; stress: σ(u), which says how the force on a corner is divided.
 
         A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i and Σ y_i φ_i, and neither has a jump: their products
@@ -106,7 +116,7 @@ class SupportResidual:
         coordinates = interpolated_coordinates(V)
         return SupportForces(support_force(V, coordinates, holder, forces) for holder, forces in held)
 
-    def _divided(self, V, stress):
+    def _divided(self, V: CrackFESpace, stress: CoefficientFunction) -> list[np.ndarray]:
         """What each holder exerts on each of its unknowns: ∫ φ_i σn where holders meet, and its share of what is left."""
         tractions, left = self._tractions(V, stress), self.exerted.copy()
         known = [np.array([tractions.get((holder.name, dof), 0) for dof in holder.dofs]) for holder in self.holders]
@@ -114,7 +124,7 @@ class SupportResidual:
             left[holder.dofs] -= part
         return [part + holder.shares * left[holder.dofs] for holder, part in zip(self.holders, known)]
 
-    def _tractions(self, V, stress):
+    def _tractions(self, V: CrackFESpace, stress: CoefficientFunction) -> dict[tuple[str, int], float]:
         """(name, unknown) → ∫ φ_i σn over the corner edges, exact for linear σ."""
         if not self.edges:
             return {}
@@ -127,7 +137,7 @@ class SupportResidual:
         return tractions
 
 
-def corner_edge(mesh, name, boundary_element, vertex):
+def corner_edge(mesh: Mesh, name: str, boundary_element: float, vertex: int) -> CornerEdge | None:
     """The CornerEdge of a boundary element at one of its vertices; None inside a body, where two triangles meet it."""
     ends = [v.nr for v in mesh[ElementId(BND, boundary_element)].vertices]
     behind = mesh[mesh[ElementId(BND, boundary_element)].edges[0]].elements
@@ -142,7 +152,7 @@ def corner_edge(mesh, name, boundary_element, vertex):
     return CornerEdge(name, vertex, -normal if normal @ inside > 0 else normal, behind[0].nr, *weights[:2])
 
 
-def interpolated_coordinates(V):
+def interpolated_coordinates(V: CrackFESpace) -> np.ndarray:
     """The coefficients of x and y in the functions φ_i, (2, n): on straight elements zero but for the vertices."""
     coordinates = np.zeros((2, Unknowns(V).functions))
     if V.mesh.GetCurveOrder() <= 1:
@@ -155,7 +165,7 @@ def interpolated_coordinates(V):
     return coordinates
 
 
-def support_force(V, coordinates, holder, forces):
+def support_force(V: CrackFESpace, coordinates: np.ndarray, holder: Holder, forces: np.ndarray) -> SupportForce:
     """The SupportForce of a Holder; forces: on its unknowns."""
     unknowns, force, moment = Unknowns(V), np.zeros(2), 0.0
     for k, sign in ((0, -1), (1, 1)):

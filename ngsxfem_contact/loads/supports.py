@@ -1,7 +1,10 @@
 """What holds a body: displacements given on parts of its boundary, and pinned vertices."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from numbers import Real
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -13,6 +16,12 @@ from ..spaces.unknowns import Unknowns
 from .boundary_samples import BoundarySamples
 from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
 from .reactions import Holder, corner_edge
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .._ngsxfem_contact import CrackFESpace
+    from .reactions import CornerEdge
 
 COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
 TOLERANCE = 1e-5  # of the largest given displacement: what differs by less at one point is the same
@@ -39,7 +48,7 @@ class Supports:
     sides: (region, component) → HeldSide.    pins: unknown → (vertex, component, value).
     """
 
-    def __init__(self, V):
+    def __init__(self, V: CrackFESpace) -> None:
         self.V, self.given, self.free = V, GridFunction(V), BitArray(V.FreeDofs())
         self.samples = BoundarySamples(V.body)
         self._declared = {
@@ -51,11 +60,11 @@ class Supports:
         self.sides, self.pins = dict(self._declared), {}
 
     @property
-    def pinned(self):
+    def pinned(self) -> list[int]:
         """The unknowns that pins fix, in their order."""
         return list(self.pins)
 
-    def Pin(self, point, components, value=0):
+    def Pin(self, point: Sequence[float], components: str, value: Any = 0) -> None:
         """See ContactProblem.Pin."""
         if components not in COMPONENTS:
             raise ValueError(f"Pin: components={components!r} is not one of {sorted(COMPONENTS)}")
@@ -72,7 +81,7 @@ class Supports:
         self.pins |= pins
         self._apply()
 
-    def _vertex_at(self, point):
+    def _vertex_at(self, point: Sequence[float]) -> int:
         if np.shape(point) != (2,) or not all(isinstance(coordinate, Real) for coordinate in point):
             raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
         vertices = self.V.mesh.ngmesh.Coordinates()[: self.V.mesh.nv, :2]
@@ -82,7 +91,7 @@ class Supports:
             raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {tuple(vertices[nearest].tolist())}")
         return nearest
 
-    def SetDirichlet(self, value, region):
+    def SetDirichlet(self, value: Any, region: Any) -> None:
         """See ContactProblem.SetDirichlet."""
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
@@ -102,7 +111,7 @@ class Supports:
         self.sides = kept | sides  # where regions meet the last one counts
         self._apply()
 
-    def _check_declared(self, region, regions, components):
+    def _check_declared(self, region: str, regions: list[int], components: Any) -> None:
         for k in components:
             if any((number, k) not in self._declared for number in regions):
                 raise ValueError(
@@ -110,7 +119,7 @@ class Supports:
                     "declare it there, or give None for this component to leave it free"
                 )
 
-    def _apply(self):
+    def _apply(self) -> None:
         """free and given, of what is held now."""
         given = self.given.vec.FV().NumPy()
         given[:] = 0
@@ -123,10 +132,10 @@ class Supports:
             given[dof] = value
             self.free.Clear(dof)
 
-    def _explicit(self):
+    def _explicit(self) -> dict[tuple[int, int], HeldSide]:
         return {key: side for key, side in self.sides.items() if side.explicit}
 
-    def Check(self):
+    def Check(self) -> None:
         """Raises ValueError where two of the given displacements contradict each other."""
         self._check_pins(self.pins, self.sides)
         for rows in self.samples.Corners():
@@ -135,7 +144,7 @@ class Supports:
                 for (row, side), (other_row, other) in zip(here, here[1:]):
                     self._check_corner(k, (row, other_row), (side, other))
 
-    def _check_corner(self, k, rows, sides):
+    def _check_corner(self, k: int, rows: tuple[int, int], sides: tuple[HeldSide, HeldSide]) -> None:
         names = [self.V.mesh.GetBoundaries()[self.samples.region[row]] for row in rows]
         values = [side.samples[row] for row, side in zip(rows, sides)]
         if names[0] != names[1] and differ(*values, *(largest(side) for side in sides)):
@@ -147,7 +156,7 @@ class Supports:
                 "give both the same value there, or leave this component free on one of them"
             )
 
-    def _check_pins(self, pins, sides):
+    def _check_pins(self, pins: dict[int, tuple[int, int, float]], sides: dict[tuple[int, int], HeldSide]) -> None:
         for vertex, k, value in pins.values():
             at = self.samples.vertex == vertex
             for (region, component), side in sides.items():
@@ -158,7 +167,7 @@ class Supports:
                         f"{self.V.mesh.GetBoundaries()[region]!r}; give both the same value"
                     )
 
-    def Holders(self):
+    def Holders(self) -> list[Holder]:
         """What holds which functions φ_i, one Holder for each name of a boundary that holds and for each vertex that only a pin does."""
         unknowns = Unknowns(self.V)
         dofs = {key: side.dofs[side.dofs < unknowns.polynomial.stop] for key, side in self.sides.items()}
@@ -177,18 +186,18 @@ class Supports:
                 holders[name] = holders.get(name, Holder(name, point=point)) + Holder(name, np.array([dof]), np.ones(1))
         return list(holders.values())
 
-    def CornerEdges(self):
+    def CornerEdges(self) -> list[CornerEdge]:
         """The edges of boundaries beside the vertices at which they meet, as CornerEdges."""
         mesh, samples = self.V.mesh, self.samples
         rows = np.concatenate([np.zeros(0, dtype=int), *samples.Corners()])
         edges = [corner_edge(mesh, mesh.GetBoundaries()[samples.region[row]], samples.element[row], samples.vertex[row]) for row in rows]
         return [edge for edge in edges if edge is not None]
 
-    def NormalJumps(self):
+    def NormalJumps(self) -> np.ndarray:
         """The normal jump that is given at each mouth, see BoundarySamples."""
         return self.samples.NormalJumps(self.sides)
 
-    def CheckOverlap(self, jumps, gap, scale):
+    def CheckOverlap(self, jumps: np.ndarray, gap: CoefficientFunction, scale: float) -> None:
         """Raises ValueError where given normal jumps push the faces of a mouth through each other.
 
         jumps: as NormalJumps, or multiples.    gap: g_0, a CoefficientFunction.    scale: the largest given displacement.
@@ -204,17 +213,17 @@ class Supports:
                 )
 
 
-def largest(side):
+def largest(side: HeldSide) -> float:
     """The largest size of what is given on a HeldSide."""
     return np.nanmax(np.abs(side.samples), initial=0)
 
 
-def differ(a, b, *sizes):
+def differ(a: Any, b: Any, *sizes: Any) -> bool:
     """Whether two given displacements are not the same, relative to the largest of them and of some sizes."""
     return abs(a - b) > TOLERANCE * max(abs(a), abs(b), *sizes)
 
 
-def boundary_dofs(V):
+def boundary_dofs(V: CrackFESpace) -> list[tuple[np.ndarray, np.ndarray]]:
     """For each boundary region the unknowns of either component with a trace on it: [(x, y), ...]."""
     found = [(set(), set()) for _ in V.mesh.GetBoundaries()]
     for element in V.mesh.Elements(BND):
@@ -225,7 +234,7 @@ def boundary_dofs(V):
     return [tuple(np.array(sorted(dofs), dtype=int) for dofs in region) for region in found]
 
 
-def given_components(value):
+def given_components(value: Any) -> tuple[CoefficientFunction, list[int]]:
     """(CoefficientFunction with zero for None, the components that are given) of the value of SetDirichlet."""
     components = [0, 1]
     if isinstance(value, (tuple, list)):
@@ -236,7 +245,7 @@ def given_components(value):
     return check_function(value, "SetDirichlet: value", 2), components
 
 
-def projected_trace(V, value, region):
+def projected_trace(V: CrackFESpace, value: Any, region: Any) -> tuple[np.ndarray, np.ndarray]:
     """(values, short): the weighted L² projection of a value's trace, for all unknowns, zero at those of short traces, which it leaves out."""
     weight, short = mouth_weight(V.body), short_traces(V, region)
     mass = boundary_mass(V, region, weight)
@@ -254,7 +263,7 @@ def projected_trace(V, value, region):
     return values, short
 
 
-def pin_values(value, components):
+def pin_values(value: Any, components: Any) -> np.ndarray:
     """One finite number for each component of a Pin."""
     try:
         values = np.broadcast_to(np.asarray(value, dtype=float), len(components))
@@ -265,7 +274,7 @@ def pin_values(value, components):
     return values
 
 
-def check_outside_of_disks(V, point):
+def check_outside_of_disks(V: CrackFESpace, point: Sequence[float]) -> None:
     """Raises ValueError for a point at which a tip's functions do not vanish: a vertex's unknowns do not fix u there."""
     for tip, spec in zip(V.body.tips, V.tip_specs):
         r = np.hypot(*np.subtract(point, tip.point))
@@ -276,6 +285,6 @@ def check_outside_of_disks(V, point):
             )
 
 
-def place(V, vertex):
+def place(V: CrackFESpace, vertex: int) -> str:
     """A vertex in words."""
     return "({:g}, {:g})".format(*V.mesh[NodeId(VERTEX, int(vertex))].point)

@@ -1,6 +1,9 @@
 """The terms of the forms that a user adds to a problem: what is refused by name, and what their coefficients are."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
@@ -8,6 +11,14 @@ from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import mask
 from ..points import crack_points
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ngsolve import BitArray
+    from ngsolve.comp import SumOfIntegrals
+
+    from .._ngsxfem_contact import CrackFESpace, FormTerm
 
 LIMITS = ("plus", "minus", "jump")
 ALLOWED = {"bulk": ("Id", "grad"), "boundary": ("Id",), "crack": LIMITS}
@@ -18,12 +29,12 @@ HINTS = {
 }
 
 
-def place_of(term):
+def place_of(term: FormTerm) -> str:
     """Where a term is integrated: "bulk", "boundary" or "crack"."""
     return "boundary" if term.on_boundary else "crack" if term.domain == core.Domain.Crack else "bulk"
 
 
-def checked_terms(form, V, name):
+def checked_terms(form: SumOfIntegrals, V: CrackFESpace, name: str) -> list[FormTerm]:
     """The core.FormTerms of a form on V.
 
     Raises TypeError for what is no sum of integrals, ValueError for a measure of NGSolve or of another body, functions of another space,
@@ -37,9 +48,9 @@ def checked_terms(form, V, name):
     return terms
 
 
-def check_term(term, V, name):
+def check_term(term: FormTerm, V: CrackFESpace, name: str) -> None:
     """Raises as checked_terms."""
-    if term.body is None:
+    if not term.body:
         measure = "ds" if term.on_boundary else "dx"
         raise ValueError(f"{name}: the rules of NGSolve's own {measure} do not see the cracks; write body.{measure}, body the problem's CrackedMesh")
     if term.body is not V.body:
@@ -51,7 +62,7 @@ def check_term(term, V, name):
         check_function_of_form(proxy, V, place, name)
 
 
-def check_function_of_form(proxy, V, place, name):
+def check_function_of_form(proxy: CoefficientFunction, V: CrackFESpace, place: str, name: str) -> None:
     """Raises ValueError for a trial or test function of another space, or with an operator that does not go with its place."""
     if proxy.space is not V:
         raise ValueError(f"{name}: a function belongs to another space than the problem's V; take v = problem.V.TestFunction()")
@@ -67,23 +78,23 @@ class Limits:
     plus: CoefficientFunction
     minus: CoefficientFunction
 
-    def Operator(self, name):
+    def Operator(self, name: str) -> CoefficientFunction:
         """The limit "plus" or "minus", or the "jump"."""
         return {"plus": self.plus, "minus": self.minus, "jump": self.plus - self.minus}[name]
 
 
-def unit_vectors():
+def unit_vectors() -> list[CoefficientFunction]:
     """(1, 0) and (0, 1)."""
     return [CF(tuple(row)) for row in np.eye(2).tolist()]
 
 
-def unit_limits():
+def unit_limits() -> tuple[list[Limits], list[Limits]]:
     """Limits that are unit vectors on one face and zero on the other: a pair for the plus face, a pair for the minus face."""
     zero, units = CF((0.0, 0.0)), unit_vectors()
     return [Limits(e, zero) for e in units], [Limits(zero, e) for e in units]
 
 
-def replaced(functions, operator):
+def replaced(functions: list[CoefficientFunction], operator: Callable[[str], Any]) -> dict[CoefficientFunction, CoefficientFunction]:
     """What to replace trial or test functions by: operator(name of theirs), None for zero."""
     zero = lambda proxy: CF(tuple([0.0] * proxy.dim), dims=tuple(proxy.dims))
     values = {proxy: operator(core.OperatorName(proxy)) for proxy in functions}
@@ -94,7 +105,7 @@ class NotLookedInto(ValueError):
     """NGSolve cannot replace functions in a term."""
 
 
-def tested(term, operator):
+def tested(term: FormTerm, operator: Callable[..., Any]) -> SumOfIntegrals:
     """The form of a term with its test functions replaced by operator(name), None for zero.
 
     Raises NotLookedInto for a term with a part that NGSolve does not look into.
@@ -110,13 +121,13 @@ def tested(term, operator):
         ) from None
 
 
-def coefficient_of_limits(term):
+def coefficient_of_limits(term: FormTerm) -> tuple[CoefficientFunction, CoefficientFunction]:
     """(t⁺, t⁻) of a term ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks, vectors; zero on cracks and elements that it is not taken over."""
     here = restriction(term)
     return tuple(here * CF(tuple(tested(term, v.Operator)[0].coef for v in pair)) for pair in unit_limits())
 
 
-def coefficient_of_gradient(term):
+def coefficient_of_gradient(term: FormTerm) -> CoefficientFunction | None:
     """S of a term ∫ S:∇v, a 2 × 2 matrix, or None if there is no gradient in it; zero where it is not taken."""
     if not any(core.OperatorName(proxy) == "grad" for proxy in term.test):
         return None
@@ -124,7 +135,7 @@ def coefficient_of_gradient(term):
     return restriction(term) * CF(tuple(tested(term, {"grad": unit}.get)[0].coef for unit in units), dims=(2, 2))
 
 
-def restriction(term):
+def restriction(term: FormTerm) -> CoefficientFunction:
     """1 where a term over the body or its cracks is taken, 0 elsewhere: a CoefficientFunction."""
     inside = CF(1.0)
     mesh = term.body.mesh
@@ -139,17 +150,17 @@ def restriction(term):
     return inside
 
 
-def contains(chosen, whole, number):
+def contains(chosen: np.ndarray, whole: BitArray | None, number: int) -> bool:
     """Whether a boolean array holds all elements of a BitArray (None: all of the mesh)."""
     return chosen[chosen_of(whole, number)].all()
 
 
-def chosen_of(bits, number):
+def chosen_of(bits: BitArray | None, number: int) -> np.ndarray:
     """A BitArray, or None for all, as a boolean array."""
     return np.ones(number, dtype=bool) if bits is None else mask(bits)
 
 
-def elements_of(term):
+def elements_of(term: FormTerm) -> np.ndarray:
     """The elements (of the boundary for a term over it) that a term is taken over, a boolean array."""
     mesh = term.body.mesh
     index = np.array([el.index for el in mesh.Elements(BND)]) if term.on_boundary else mesh.ngmesh.Elements2D().NumPy()["index"] - 1
@@ -157,7 +168,7 @@ def elements_of(term):
     return chosen if term.regions is None else chosen & mask(term.regions)[index]
 
 
-def sample_points(term, number=12):
+def sample_points(term: FormTerm, number: int = 12) -> np.ndarray:
     """NGSolve's mesh points at which a term is looked at: in the middle of some of its elements, on the boundary, or on a crack."""
     mesh, place = term.body.mesh, place_of(term)
     if place == "crack":
@@ -174,17 +185,17 @@ def sample_points(term, number=12):
     return points
 
 
-def values_of(term, test, trial=None):
+def values_of(term: FormTerm, test: Callable[..., Any], trial: Any = None) -> np.ndarray:
     """The integrand at some points, its functions replaced by test(name) and trial(name), see `replaced`."""
     form = tested(term, test)
     form = form.Replace(replaced(term.trial, trial)) if term.trial else form
     return np.ravel(form[0].coef(sample_points(term)))
 
 
-def combined(weights, fields):
+def combined(weights: Sequence[float], fields: Sequence[Callable[..., Any]]) -> Callable[..., Any]:
     """Σ weight × field."""
 
-    def operator(name):
+    def operator(name: str) -> CoefficientFunction:
         if fields[0](name) is None:
             return None
         first, *others = (weight * field(name) for weight, field in zip(weights, fields))
@@ -193,7 +204,7 @@ def combined(weights, fields):
     return operator
 
 
-def check_linear(term, name):
+def check_linear(term: FormTerm, name: str) -> None:
     """Raises ValueError for a term without a test function, or that is not linear in its test and its trial function."""
     if not term.test:
         if not np.any(term.integrand(sample_points(term))):
@@ -216,7 +227,7 @@ def check_linear(term, name):
                 raise ValueError(f"{name}: a term is not linear in its test or trial function; only linear terms have a place here")
 
 
-def check_symmetric(term, name):
+def check_symmetric(term: FormTerm, name: str) -> None:
     """Raises ValueError for a bilinear term that is not symmetric."""
     fields = fields_of(term)
     values = np.array([[values_of(term, b, a) for a in fields] for b in fields])
@@ -224,7 +235,7 @@ def check_symmetric(term, name):
         raise ValueError(f"{name}: a term is not symmetric in u and v; the solver needs a(u, v) = a(v, u)")
 
 
-def fields_of(term):
+def fields_of(term: FormTerm) -> list[Callable[..., Any]]:
     """Constant fields as functions of the operators' names: on a crack on one face at a time, elsewhere with a gradient of their own."""
     if place_of(term) == "crack":
         return [u.Operator for pair in unit_limits() for u in pair]

@@ -1,7 +1,10 @@
 """Pictures and VTK with the crack open and sharp, on the split mesh."""
 
+from __future__ import annotations
+
 import logging
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from ngsolve import CF, VTKOutput
@@ -12,24 +15,33 @@ from ..operators import Minus, Plus
 from ..spaces.unknowns import Unknowns
 from .split_mesh import SplitMesh, mesh_arrays
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ngsolve import CoefficientFunction
+
+    from .._ngsxfem_contact import CrackFESpace
+    from ..contact.solution import ContactSolution
+    from ..material import Isotropic
+
 logger = logging.getLogger(__name__)
 
 LIPS = {1: ("plus lip", "tab:red"), -1: ("minus lip", "tab:blue")}
 
 
-def von_mises(material, strain):
+def von_mises(material: Isotropic, strain: CoefficientFunction) -> CoefficientFunction:
     """The von Mises stress of a 2 × 2 strain, in the unit of lam and mu."""
     return material.VonMises(material.Stress(strain))
 
 
-def split_displacement(solution):
+def split_displacement(solution: ContactSolution) -> tuple[SplitMesh, np.ndarray]:
     """The SplitMesh that suits the order of u, and the displacement (N,2) at its points."""
     u = solution.u
     split = SplitMesh(solution.body, subdivision=int(np.ceil(np.log2(u.space.order))))
     return split, split.Evaluate(Plus(u), Minus(u), u)
 
 
-def visible_scale(split, displacement, scale=None):
+def visible_scale(split: SplitMesh, displacement: np.ndarray, scale: float | None = None) -> float:
     """A given factor, or that of two digits which shows the largest displacement as 5 % of the body's size; raises ValueError unless it is finite."""
     if scale is not None:
         check_number(scale, "scale")
@@ -38,7 +50,7 @@ def visible_scale(split, displacement, scale=None):
     return float(f"{0.05 * np.ptp(split.points, axis=0).max() / largest:.2g}") if largest > 0 else 1.0
 
 
-def pyplot():
+def pyplot() -> Any:
     """matplotlib.pyplot; raises ImportError that says how to install it."""
     try:
         import matplotlib.pyplot as plt
@@ -47,12 +59,12 @@ def pyplot():
     return plt
 
 
-def legend_below(ax):
+def legend_below(ax: Any) -> None:
     """The legend, under the axes and their label."""
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
 
 
-def shown_values(solution, split, field=None):
+def shown_values(solution: ContactSolution, split: SplitMesh, field: CoefficientFunction | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Values (M,3,dim) of a field, one-sided at the lips, and the colours' range; field=None: the von Mises stress.
 
     Stresses are infinite at tips: the range leaves out the least and the largest 2 % of the values.
@@ -62,7 +74,9 @@ def shown_values(solution, split, field=None):
     return values, np.quantile(np.linalg.norm(values, axis=-1) if field.dim > 1 else values, (0.02, 0.98))
 
 
-def plot_body(solution, ax=None, scale=None, field=None, label="von Mises stress"):
+def plot_body(
+    solution: ContactSolution, ax: Any = None, scale: float | None = None, field: CoefficientFunction | None = None, label: str = "von Mises stress"
+) -> Any:
     """The deformed body, coloured by a scalar field, and the two lips of each crack; returns the axes.
 
     scale: of the displacement; by default the largest is 5 % of the body's size.
@@ -95,7 +109,7 @@ PROFILES = {
 }
 
 
-def plot_profile(solution, crack=0, ax=None, quantities=("pressure", "gap")):
+def plot_profile(solution: ContactSolution, crack: int = 0, ax: Any = None, quantities: Sequence[str] = ("pressure", "gap")) -> list[Any]:
     """Quantities along a crack, the contact zone shaded: "pressure" -λ, "gap", "slip", "shear". ax: one axes for each. Returns them."""
     for quantity in quantities:
         if quantity not in PROFILES:
@@ -116,7 +130,7 @@ def plot_profile(solution, crack=0, ax=None, quantities=("pressure", "gap")):
     return axes
 
 
-def plot_mesh(V, ax=None):
+def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
     """The mesh, the cracks, and what enriches the space: circles on vertices with a Heaviside function, the disks of the tips' functions.
 
     Triangles are light if some of their vertices are enriched, darker if all are. Returns the axes.
@@ -142,7 +156,7 @@ def plot_mesh(V, ax=None):
     return ax
 
 
-def save_vtk(solution, path):
+def save_vtk(solution: ContactSolution, path: str | Path) -> str:
     """Writes displacement, stresses and side on the split mesh as .vtu (ending added if missing); returns the file's name.
 
     The file appears when it is complete: an interrupted run, or a full disk (OSError), leaves none, or the one before.
@@ -161,7 +175,7 @@ def save_vtk(solution, path):
     return str(write_whole(path, write, end=b"</VTKFile>"))
 
 
-def draw(solution, field=None, scale=None, **options):
+def draw(solution: ContactSolution, field: CoefficientFunction | None = None, scale: float | None = None, **options: Any) -> Any:
     """ngsolve.webgui.Draw of a field on the deformed split mesh, the lips drawn as edges.
 
     field: CoefficientFunction such as `solution.u` or `solution.stress[1, 1]`; by default the von Mises stress.
@@ -178,17 +192,17 @@ def draw(solution, field=None, scale=None, **options):
     return Draw(split.GridFunction(values), split.mesh, "field", deformation=split.GridFunction(scale * u), **defaults | options)
 
 
-def animate(solutions, path, titles, scale=None, seconds=0.5):
+def animate(solutions: Sequence[ContactSolution], path: str | Path, titles: Sequence[str], scale: float | None = None, seconds: float = 0.5) -> str:
     """Writes plot_body of every solution, at one scale, as an animated GIF; returns its name. It appears when it is complete."""
     plt = pyplot()
     from matplotlib.animation import PillowWriter
 
     check_positive(seconds, "seconds")
     scale = scale or min(visible_scale(*split_displacement(solution)) for solution in solutions)
-    figure = plt.figure(figsize=(6, 6), layout="constrained")
+    figure, fps = plt.figure(figsize=(6, 6), layout="constrained"), cast(int, 1 / seconds)
 
-    def write(temporary):
-        with PillowWriter(fps=1 / seconds).saving(figure, temporary, dpi=80) as frames:
+    def write(temporary: Path) -> None:
+        with PillowWriter(fps=fps).saving(figure, temporary, dpi=80) as frames:
             for number, (solution, title) in enumerate(zip(solutions, titles)):
                 logger.info("picture %d of %d of %s", number + 1, len(solutions), Path(path).name)
                 figure.clear()

@@ -3,11 +3,22 @@
 In a SplitMesh the elements that a crack meets are replaced by their parts on either side, and the points on the crack are doubled.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy
 from ngsolve import BND, CF, H1, VOL, Discontinuous, GridFunction, Mesh, x, y
 
 from ..algebra.matrices import mask
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ngsolve import BitArray, CoefficientFunction
+
+    from .._ngsxfem_contact import Crack, CrackedMesh, Piece
 
 LIPS = (1, -1)  # plus and minus
 PULL = 0.05  # stresses are taken this part of the way from a corner to the triangle's centre: they jump, and are infinite at tips
@@ -23,7 +34,7 @@ class SplitMesh:
     lips (L,2), lip_side (L,), lip_crack (L,): the edges on the cracks, each once for each lip.
     """
 
-    def __init__(self, body, subdivision=0):
+    def __init__(self, body: CrackedMesh, subdivision: int = 0) -> None:
         self.body, self._mesh = body, None
         tolerance = 1e-9 * min(location.h for c in range(len(body.cracks)) for location in body.Elements(c))
         points, triangles, parent = conforming_triangles(body, tolerance)
@@ -42,7 +53,9 @@ class SplitMesh:
         if body.mesh.GetCurveOrder() > 1:
             self.points = self.Evaluate(*[CF((x, y))] * 3)
 
-    def _Double(self, points, triangles, edge, values_from, edge_crack, edge_side):
+    def _Double(
+        self, points: np.ndarray, triangles: np.ndarray, edge: np.ndarray, values_from: np.ndarray, edge_crack: np.ndarray, edge_side: np.ndarray
+    ) -> None:
         """One point for each fan of triangles that are connected around it without crossing a crack."""
         first, second = twin_edges(triangles)
         a, b = np.stack([first, second])[:, ~np.isin(first, edge)]
@@ -59,7 +72,7 @@ class SplitMesh:
         touching = np.sign(self.point_side[self.triangles].sum(axis=1))
         self.side = np.where(self.side == 0, touching, self.side)
 
-    def _Places(self, points, triangles, element):
+    def _Places(self, points: np.ndarray, triangles: np.ndarray, element: np.ndarray) -> np.ndarray:
         """Where points (N,2), given in the straight triangles of the elements (M,), lie in the body."""
         if self.body.mesh.GetCurveOrder() == 1:
             return points
@@ -67,7 +80,7 @@ class SplitMesh:
         places[triangles.ravel()] = self._At(CF((x, y)), np.repeat(element, 3), reference.reshape(-1, 2))
         return places
 
-    def _At(self, cf, elements, reference):
+    def _At(self, cf: CoefficientFunction, elements: BitArray, reference: np.ndarray) -> np.ndarray:
         """Values (n, dim) at reference coordinates (n,2) in elements (n,)."""
         mesh = self.body.mesh
         inside = np.mean([mesh[v].point for v in next(iter(mesh.Elements(VOL))).vertices], axis=0)
@@ -75,7 +88,7 @@ class SplitMesh:
         places["nr"], places["x"], places["y"] = elements, reference[:, 0], reference[:, 1]
         return np.reshape(cf(places), (len(elements), cf.dim)) if len(elements) else np.zeros((0, cf.dim))
 
-    def Evaluate(self, plus, minus, middle):
+    def Evaluate(self, plus: CoefficientFunction, minus: CoefficientFunction, middle: CoefficientFunction) -> np.ndarray:
         """Values (N, dim) of CoefficientFunctions at the points: plus and minus on the two lips, middle elsewhere.
 
         Plus(u) and Minus(u) are limits on the crack, no continuations: off the crack the position gives u its side.
@@ -87,19 +100,19 @@ class SplitMesh:
             values[chosen] = self._At(cf, elements[chosen], reference[chosen])
         return values
 
-    def EvaluateInside(self, cf):
+    def EvaluateInside(self, cf: CoefficientFunction) -> np.ndarray:
         """Values (M, 3, dim) a little inside the corners of each triangle: for stresses, which jump."""
         near = (1 - PULL) * self.reference + PULL * self.reference.mean(axis=1, keepdims=True)
         return self._At(cf, np.repeat(self.element, 3), near.reshape(-1, 2)).reshape(len(self.triangles), 3, -1)
 
     @property
-    def mesh(self):
+    def mesh(self) -> Mesh:
         """An ngsolve.Mesh: vertex i is points[i], element i triangles[i]; boundaries as the body's, and "crack" for the lips."""
         if self._mesh is None:
             self._mesh = ngsolve_mesh(self)
         return self._mesh
 
-    def GridFunction(self, values):
+    def GridFunction(self, values: np.ndarray) -> GridFunction:
         """On `mesh`: continuous from values (N, dim) at the points, discontinuous from values (M, 3, dim) at the corners."""
         space = H1(self.mesh, order=1, dim=values.shape[-1])
         function = GridFunction(space if values.ndim == 2 else Discontinuous(space, dim=space.dim))
@@ -107,7 +120,7 @@ class SplitMesh:
         return function
 
 
-def conforming_triangles(body, tolerance):
+def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points, triangles and rows (element, side) with no point inside an edge; no point is doubled yet. Curved elements are straight here."""
     vertices, elements = mesh_arrays(body.mesh)
     cut = mask(body.CrackElements(None))
@@ -126,10 +139,11 @@ def conforming_triangles(body, tolerance):
     triangles, parent, a, b, c = (array[thick] for array in (triangles, parent, a, b, c))
     clockwise = cross(b - a, c - a) < 0
     triangles[clockwise] = triangles[clockwise, ::-1]
-    return points, *without_hanging_points(points, triangles, parent, np.unique(new), tolerance)
+    triangles, parent = without_hanging_points(points, triangles, parent, np.unique(new), tolerance)
+    return points, triangles, parent
 
 
-def flat(piece, crack):
+def flat(piece: Piece, crack: Crack) -> list[Sequence[tuple[float, float]]]:
     """The triangles of a piece; a curved side becomes a polyline with kinks of less than 3 degrees."""
     if piece.curved is None:
         return [piece.triangle]
@@ -139,7 +153,7 @@ def flat(piece, crack):
     return [(piece.triangle[0], a, b) for a, b in zip(side, side[1:])]
 
 
-def in_triangles(body, crack, arclengths):
+def in_triangles(body: CrackedMesh, crack: int, arclengths: Sequence[float]) -> np.ndarray:
     """Points (n,2) of a crack, in the straight triangles of the elements that carry them."""
     element, xi, eta = (np.array(values) for values in body.OnCrack(crack, list(arclengths)))
     vertices, elements = mesh_arrays(body.mesh)
@@ -147,30 +161,30 @@ def in_triangles(body, crack, arclengths):
     return v2 + xi[:, None] * (v0 - v2) + eta[:, None] * (v1 - v2)
 
 
-def mesh_arrays(mesh):
+def mesh_arrays(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Vertices (n,2) and triangles (m,3) of an NGSolve mesh, in its numbering."""
     return mesh.ngmesh.Coordinates()[:, :2].copy(), mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
 
 
-def merged(points, tolerance):
+def merged(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """The points without repetitions, and the number of each old one; the first of several stays."""
     label = components(len(points), *scipy.spatial.cKDTree(points).query_pairs(tolerance, output_type="ndarray").T)
     _, first, number = np.unique(label, return_index=True, return_inverse=True)
     return points[first], number
 
 
-def components(size, first, second):
+def components(size: int, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Number (size,) of the connected component of each of `size` things, of which first[i] and second[i] are linked."""
     links = scipy.sparse.coo_matrix((np.ones(len(first)), (first, second)), shape=(size, size))
     return scipy.sparse.csgraph.connected_components(links, directed=False)[1].astype(np.int64)  # 32 bits overflow in twin_edges
 
 
-def cross(a, b):
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """a_x b_y - a_y b_x of arrays (..., 2)."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
-def without_hanging_points(points, triangles, parent, candidates, tolerance):
+def without_hanging_points(points: np.ndarray, triangles: np.ndarray, parent: np.ndarray, candidates: np.ndarray, tolerance: float) -> list[np.ndarray]:
     """Triangles divided until no candidate lies inside an edge.
 
     Tips do: pieces of a tip's element end at the straight extension of the crack, which ends inside the neighbour's edge.
@@ -187,7 +201,7 @@ def without_hanging_points(points, triangles, parent, candidates, tolerance):
     return [np.concatenate(parts) for parts in zip(*done)]
 
 
-def hanging_points(points, triangles, candidates, tolerance):
+def hanging_points(points: np.ndarray, triangles: np.ndarray, candidates: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """For each triangle a candidate inside one of its edges (or -1), and the corner at which that edge starts."""
     point, corner = np.full(len(triangles), -1), np.zeros(len(triangles), dtype=int)
     tree = scipy.spatial.cKDTree(points[candidates])
@@ -202,18 +216,18 @@ def hanging_points(points, triangles, candidates, tolerance):
     return point, corner
 
 
-def on_curves(body, crack_of, ends, places):
+def on_curves(body: CrackedMesh, crack_of: np.ndarray, ends: np.ndarray, places: np.ndarray) -> np.ndarray:
     """For edges on cracks (L,) with ends (2,L,2), in straight triangles, at places (2,L,2) the points (L,2) of the cracks half-way between."""
     middles = ends.mean(axis=0)
     for c, crack in enumerate(body.cracks):
         if body.mesh.GetCurveOrder() > 1 or any(kind != "segment" for kind, _ in crack.pieces):
             on = np.flatnonzero(crack_of == c)
             arclengths = [np.mean([crack.ArcLength(tuple(end)) for end in places[:, i]]) for i in on]
-            middles[on] = in_triangles(body, c, arclengths)
+            middles[on] = in_triangles(body, c, list(map(float, arclengths)))
     return middles
 
 
-def divide_in_four(points, triangles, edge, middles):
+def divide_in_four(points: np.ndarray, triangles: np.ndarray, edge: np.ndarray, middles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Points with the middles of the edges, given (L,2) for some (L,), and triangles; those of the first quarter come first, and so on."""
     ends = np.sort([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()], axis=0)
     edges, number = np.unique(ends, axis=1, return_inverse=True)
@@ -225,12 +239,12 @@ def divide_in_four(points, triangles, edge, middles):
     return np.concatenate([points, halves]), np.concatenate([np.stack(part, axis=1) for part in quarters])
 
 
-def next_corner(corner):
+def next_corner(corner: np.ndarray) -> np.ndarray:
     """Of the corners 3t, 3t+1, 3t+2 of triangle t; an edge has the number of the corner at which it starts."""
     return corner - corner % 3 + (corner + 1) % 3
 
 
-def twin_edges(triangles):
+def twin_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The edges that two triangles share: the number in the one and the number in the other."""
     a, b = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     key = np.minimum(a, b) * (triangles.max() + 1) + np.maximum(a, b)
@@ -239,7 +253,7 @@ def twin_edges(triangles):
     return order[same], order[same + 1]
 
 
-def crack_edges(cracks, points, triangles, carried, tolerance):
+def crack_edges(cracks: list[Crack], points: np.ndarray, triangles: np.ndarray, carried: np.ndarray, tolerance: float) -> list[np.ndarray]:
     """Edges (L,) on a crack, corners (L,2) that give the values at their ends, their cracks (L,), and the sides (L,) of their triangles.
 
     carried (M, cracks): whether a triangle's element carries a crack. Limits on a crack are defined in elements that carry it:
@@ -259,7 +273,7 @@ def crack_edges(cracks, points, triangles, carried, tolerance):
     return [array[side != 0] for array in (edges, values_from, crack_of, side)]
 
 
-def ranks_along(crack, points, candidates, tolerance):
+def ranks_along(crack: Crack, points: np.ndarray, candidates: np.ndarray, tolerance: float) -> np.ndarray:
     """For each point its number in the order of arc length among those of the candidates that lie on the crack, else -1."""
     on = [i for i in candidates if crack.Distance(tuple(points[i])) <= tolerance]
     arclength = [crack.ArcLength(tuple(points[i])) for i in on]
@@ -268,7 +282,7 @@ def ranks_along(crack, points, candidates, tolerance):
     return rank
 
 
-def reference_coordinates(mesh, corners, element):
+def reference_coordinates(mesh: Mesh, corners: np.ndarray, element: np.ndarray) -> np.ndarray:
     """Of points (M,3,2) in elements (M,); the vertices of NGSolve's reference triangle are (1,0), (0,1), (0,0)."""
     vertices, elements = mesh_arrays(mesh)
     v0, v1, v2 = (vertices[elements[element, k]][:, None] for k in range(3))
@@ -276,7 +290,7 @@ def reference_coordinates(mesh, corners, element):
     return np.stack([cross(d, b), cross(a, d)], axis=-1) / cross(a, b)[..., None]
 
 
-def ngsolve_mesh(split):
+def ngsolve_mesh(split: SplitMesh) -> Mesh:
     """The mesh of NGSolve with the points, triangles and boundaries of a SplitMesh."""
     import netgen.meshing as netgen
 
@@ -291,7 +305,7 @@ def ngsolve_mesh(split):
     return Mesh(mesh)
 
 
-def boundary_edges(split):
+def boundary_edges(split: SplitMesh) -> tuple[np.ndarray, np.ndarray]:
     """Edges (n,2) of a SplitMesh that only one triangle has, and the names of their boundaries."""
     corners = np.setdiff1d(np.arange(split.triangles.size), np.concatenate(twin_edges(split.triangles)))
     ends = np.stack([corners, next_corner(corners)], axis=1)

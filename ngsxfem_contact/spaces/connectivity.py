@@ -1,6 +1,9 @@
 """The connected parts of Ω∖Γ_C as the space V_h sees them, and which of their rigid motions are held."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -9,11 +12,19 @@ from ngsolve import GridFunction
 from ..algebra.matrices import mask
 from .unknowns import Unknowns
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ngsolve import BitArray
+
+    from .._ngsxfem_contact import CrackFESpace, ElementPart
+    from ..loads.load import StiffnessForm
+
 SLIVER = 1e-12  # of the largest part of an element: a smaller one holds nothing together
 HELD = 1e-8  # of a motion's size: what supports change by less is free
 
 
-def sides_of_parts(parts):
+def sides_of_parts(parts: list[ElementPart]) -> set[tuple[int, ...]]:
     """The signs with respect to its cracks of the parts of an element, each once: {()} for an element that no crack meets."""
     if not parts:
         return {()}
@@ -32,7 +43,7 @@ class VertexCopies:
     own copy.    vertex: (copies,) the vertex of each.
     """
 
-    def __init__(self, V):
+    def __init__(self, V: CrackFESpace) -> None:
         self.V, self.nv = V, V.mesh.nv
         self.enriched = {}
         for j in range(V.num_heaviside):
@@ -45,7 +56,7 @@ class VertexCopies:
         self.vertex = np.concatenate([np.arange(self.nv), np.array([vertex for vertex, _ in self.index], dtype=int)])
         self.parts, self.labels = parts_joined_by_edges(self.corners, len(self.vertex))
 
-    def _elements(self):
+    def _elements(self) -> tuple[np.ndarray, list[tuple[int, Any]]]:
         """The vertices of elements away from the cracks, (n, 3); number and vertices of the others."""
         vertices = self.V.mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
         enriched = np.zeros(self.nv, dtype=bool)
@@ -53,7 +64,7 @@ class VertexCopies:
         beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
         return vertices[~beside], [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
 
-    def _pieces(self, elements):
+    def _pieces(self, elements: BitArray) -> Iterator[list[int]]:
         """The copies at the corners of each part of the elements beside a crack."""
         body = self.V.body
         for element, vertices in elements:
@@ -61,19 +72,19 @@ class VertexCopies:
             for sides in sides_of_parts(body.Parts(element)):
                 yield [self._copy(v, element, dict(zip(cracks, sides))) for v in vertices]
 
-    def _copy(self, vertex, element, forced):
+    def _copy(self, vertex: int, element: int, forced: dict[int, int]) -> int:
         """The copy on the side of an element, or on forced sides {crack: side} with respect to the cracks that divide it."""
         own = tuple(self.V.HeavisideSide(j, element) or forced[crack] for j, _, crack in self.enriched.get(vertex, []))
         return self.index.setdefault((vertex, own), self.nv + len(self.index)) if own else vertex
 
-    def OnLargerSide(self):
+    def OnLargerSide(self) -> np.ndarray:
         """(nv,): the copy of each vertex whose displacement is the coefficient of φ_i; -1 if there is none."""
         copies = np.arange(self.nv)
         for vertex, functions in self.enriched.items():
             copies[vertex] = self.index.get((vertex, tuple(shift for _, shift, _ in functions)), -1)
         return copies
 
-    def AcrossCracks(self):
+    def AcrossCracks(self) -> Iterator[tuple[int, int, int]]:
         """(j, copy, copy): the coefficient of the j-th Heaviside function is the jump, the displacement of the first copy minus that of the second."""
         for vertex, functions in self.enriched.items():
             larger = tuple(shift for _, shift, _ in functions)
@@ -84,7 +95,7 @@ class VertexCopies:
                     yield j, self.index[vertex, plus], self.index[vertex, minus]
 
 
-def parts_joined_by_edges(corners, copies):
+def parts_joined_by_edges(corners: np.ndarray, copies: int) -> tuple[int, np.ndarray]:
     """(number, labels) of the connected parts of triangles (n, 3) that share edges."""
     n = len(corners)
     ends = np.sort(np.stack([corners, np.roll(corners, 1, axis=1)], axis=2), axis=2).astype(np.int64)
@@ -107,7 +118,7 @@ class FreeMotion:
 class RigidMotions:
     """Two translations and a turn for each part of a body, about its centre, in units of its size; what hinges and supports ask of them."""
 
-    def __init__(self, V):
+    def __init__(self, V: CrackFESpace) -> None:
         self.copies = copies = VertexCopies(V)
         keys = np.unique(copies.corners.astype(np.int64) * copies.parts + copies.labels[:, None])
         self.copy, self.part = keys // copies.parts, keys % copies.parts  # each pair once, ordered by copies
@@ -117,7 +128,7 @@ class RigidMotions:
         self.sizes = np.array([np.ptp(points, axis=0).max() for points in members])
         self.hinges = np.flatnonzero(np.diff(self.copy) == 0)  # pairs i and i + 1 are one copy in two parts
 
-    def Rows(self, pairs, component):
+    def Rows(self, pairs: np.ndarray, component: int) -> np.ndarray:
         """A component of the displacement of pairs of copy and part, as a matrix (len(pairs), 3 parts) on the motions."""
         rows, part = np.zeros((len(pairs), 3 * self.copies.parts)), self.part[pairs]
         arm = (self.points[self.copy[pairs]] - self.centres[part]) / self.sizes[part][:, None]
@@ -126,7 +137,7 @@ class RigidMotions:
         rows[number, 3 * part + 2] = arm[:, 0] if component else -arm[:, 1]
         return rows
 
-    def Coefficients(self):
+    def Coefficients(self) -> tuple[np.ndarray, np.ndarray]:
         """(unknowns, rows): the coefficients of the motions in V, a matrix (number, 3 parts) for the unknowns that are not zero."""
         copies, V = self.copies, self.copies.V
         pair = np.full(len(copies.vertex) + 1, -1)  # of each copy; -1 has none
@@ -141,14 +152,14 @@ class RigidMotions:
             rows += [self.Rows(vertices[there], k), self.Rows(jumps[:, 0], k) - self.Rows(jumps[:, 1], k)]
         return np.concatenate(unknowns), np.concatenate(rows)
 
-    def Constraints(self, fixed, springs):
+    def Constraints(self, fixed: np.ndarray, springs: StiffnessForm) -> np.ndarray:
         """What must vanish, as a matrix on the motions.  fixed: the unknowns of V that are, a boolean array.    springs: a StiffnessForm."""
         unknowns, rows = self.Coefficients()
         hinges = [self.Rows(self.hinges, k) - self.Rows(self.hinges + 1, k) for k in range(2)]
         return np.concatenate([*hinges, rows[fixed[unknowns]], self._of_springs(springs, unknowns, rows)])
 
     @staticmethod
-    def _of_springs(springs, unknowns, rows):
+    def _of_springs(springs: StiffnessForm, unknowns: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """The square root of the energy of springs, relative to the largest: it vanishes where none resists."""
         if not springs.terms:
             return rows[:0]
@@ -160,7 +171,7 @@ class RigidMotions:
         energies, modes = np.linalg.eigh(forces)
         return np.sqrt(np.maximum(energies, 0) / max(energies[-1], np.finfo(float).tiny))[:, None] * modes.T
 
-    def Free(self, fixed, springs):
+    def Free(self, fixed: np.ndarray, springs: StiffnessForm) -> FreeMotion | None:
         """The FreeMotion of the part that moves most, or None if all parts are held."""
         constraints, parts = self.Constraints(fixed, springs), self.copies.parts
         triangle = np.linalg.qr(np.concatenate([constraints, np.zeros((3 * parts, 3 * parts))]), mode="r")

@@ -1,7 +1,10 @@
 """V_h, the displacements: section 3 of docs/method.md, (6) to (8) of [AHLMR12]."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any
 
 from .. import _ngsxfem_contact as core
 from ..arguments import INFINITY, check_number, check_positive, check_regions, check_type, check_whole
@@ -10,6 +13,11 @@ from ..material import Elasticity, Isotropic
 from ..protocols import TipFunctions, check_role
 from .resolution import place, warn_of_coarse
 from .tip_disk import largest_disk
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .._ngsxfem_contact import CrackedMesh, Tip, TipSpec
 
 UNKNOWN = Elasticity.PlaneStrain(E=2.6, nu=0.3)  # μ = 1: the modes at a tip until its material is known
 
@@ -38,7 +46,7 @@ class TipEnrichment:
     functions: str | None = None
     tolerance: float = 1e-5
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.cutoff not in core.CutOff.__members__:
             raise ValueError(f"TipEnrichment: cutoff={self.cutoff!r} is not one of {list(core.CutOff.__members__)}")
         check_number(self.tolerance, "TipEnrichment: tolerance", lambda tolerance: 0 < tolerance < 1, "lie between 0 and 1")
@@ -53,7 +61,7 @@ class TipEnrichment:
             raise ValueError("TipEnrichment: functions='modes' needs material=Elasticity(...), which the modes depend on")
         check_type(self.material, Isotropic | None, "TipEnrichment: material", "an Elasticity")
 
-    def Spec(self, body, tip):
+    def Spec(self, body: CrackedMesh, tip: Tip) -> TipSpec:
         """What the space needs to know at one tip of `body.tips`. Raises ValueError for a disk that does not fit."""
         material = None if self.functions == "branch" else self.material
         radius, limit = largest_disk(body, tip, material)
@@ -69,12 +77,12 @@ class TipEnrichment:
         here = UNKNOWN if material is None else material.At(body.mesh, tip.point)
         return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
 
-    def With(self, material):
+    def With(self, material: Isotropic | None) -> TipEnrichment:
         """The same with the modes of a material (or None), unless it has functions of its own."""
         return self if self.material is not None or self.functions is not None else replace(self, material=material)
 
     @property
-    def undecided(self):
+    def undecided(self) -> bool:
         """Whether there is neither a material nor a choice of functions."""
         return self.material is None and self.functions is None
 
@@ -96,7 +104,18 @@ class CrackFESpace(core.CrackFESpace):
     boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
     """
 
-    def __init__(self, body, order=1, tip=TipEnrichment(), bubble=None, dirichlet="", dirichletx="", dirichlety="", material=None, **flags):
+    def __init__(
+        self,
+        body: CrackedMesh,
+        order: int = 1,
+        tip: TipFunctions | Sequence[TipFunctions | None] | None = TipEnrichment(),
+        bubble: bool | None = None,
+        dirichlet: str | list[str] = "",
+        dirichletx: str | list[str] = "",
+        dirichlety: str | list[str] = "",
+        material: Isotropic | None = None,
+        **flags: Any,
+    ) -> None:
         check_flags(flags)
         check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
         check_whole(order, "CrackFESpace: order", 1)
@@ -106,7 +125,7 @@ class CrackFESpace(core.CrackFESpace):
                 flags[name] = joined_names(pattern)
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
         tips = tip_enrichments(tip, body, material)
-        specs = [enrichment and enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
+        specs = [None if enrichment is None else enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
         tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)
@@ -121,7 +140,7 @@ class CrackFESpace(core.CrackFESpace):
         warn_of_coarse(body, specs, material)
 
 
-def tip_enrichments(tip, body, material):
+def tip_enrichments(tip: Any, body: CrackedMesh, material: Isotropic | None) -> list[TipFunctions | None]:
     """One for each tip, those that are undecided with the modes of the material."""
     tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
     for enrichment in tips:
@@ -130,7 +149,7 @@ def tip_enrichments(tip, body, material):
     return [enrichment.With(material) if isinstance(enrichment, TipEnrichment) else enrichment for enrichment in tips]
 
 
-def warn_of_undecided(body, tips):
+def warn_of_undecided(body: CrackedMesh, tips: list[int]) -> None:
     """Tips whose material is not known."""
     if tips:
         warn(
@@ -140,7 +159,7 @@ def warn_of_undecided(body, tips):
         )
 
 
-def decide(V, material):
+def decide(V: CrackFESpace, material: Isotropic) -> None:
     """Gives the tips of V whose material was not known that of the problem. Raises ValueError for a disk that reaches another material."""
     for number in getattr(V, "undecided", []):
         tip, spec, here = V.body.tips[number], V.tip_specs[number], material.At(V.mesh, V.body.tips[number].point)
@@ -166,7 +185,7 @@ NO_FLAGS = {
 }
 
 
-def check_flags(flags):
+def check_flags(flags: dict[str, Any]) -> None:
     """Raises ValueError for a flag of NGSolve's spaces that makes no sense here, TypeError for any other name."""
     for name, value in flags.items():
         if name in NO_FLAGS and value:
@@ -179,11 +198,11 @@ def check_flags(flags):
             )
 
 
-def joined_names(pattern):
+def joined_names(pattern: Any) -> Any:
     """One regular expression for a list of them; what is none is left to check_regions."""
     return "|".join(pattern) if isinstance(pattern, (list, tuple)) and all(isinstance(name, str) for name in pattern) else pattern
 
 
-def is_nearly_incompressible(material):
+def is_nearly_incompressible(material: Isotropic | None) -> bool:
     """Whether a material, or None, is nearly incompressible."""
     return material is not None and material.nearly_incompressible

@@ -5,7 +5,10 @@ takes the place of div u: its L² projection onto polynomials in each part of ea
 singular part s of the divergence of the tips' modes is left as it is. a(u, v) = ∫ 2μ ε(u):ε(v) + λ_L D u D v.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from ngsolve import VOL, ElementId, Trace
 
@@ -13,6 +16,13 @@ from .. import _ngsxfem_contact as core
 from ..errors import warn
 from ..material import Isotropic
 from ..operators import Strain
+
+if TYPE_CHECKING:
+    from ngsolve import CoefficientFunction
+
+    from .._ngsxfem_contact import CrackFESpace
+    from ..contact.mixed_system import PressureField
+    from ..protocols import Stabilisation
 
 LOCKING = "order=1 locks: displacements, K and the pressure may be wrong by tens of percent; take CrackFESpace(..., order=2, material=...)"
 NO_BUBBLE = "without bubbles the stresses of order={order} are those of one order less; take CrackFESpace(..., order={order}, material=...), which adds them"
@@ -29,21 +39,21 @@ class WithoutPressure:
     material: Isotropic
     dilatation = "singular"
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         return getattr(self.material, name)
 
 
-def is_projected(V, material):
+def is_projected(V: CrackFESpace, material: Isotropic | WithoutPressure) -> bool:
     """Whether the divergence is projected, somewhere in the body."""
     return material.nearly_incompressible and V.globalorder > 1
 
 
-def projection_degree(V):
+def projection_degree(V: CrackFESpace) -> int:
     """Of the polynomials onto which div u is projected."""
     return V.GetFE(ElementId(VOL, 0)).order - 2
 
 
-def dilatation(material, u, side=None):
+def dilatation(material: Isotropic | WithoutPressure, u: CoefficientFunction, side: str | None = None) -> CoefficientFunction:
     """What takes the place of div u in the stress: D u where the material is nearly incompressible, div u elsewhere. side as for Gradient."""
     divergence = Trace(Strain(u, side))
     if not is_projected(u.space, material):
@@ -52,14 +62,16 @@ def dilatation(material, u, side=None):
     return projected if isinstance(material.projected, int) else material.projected * projected + (1 - material.projected) * divergence
 
 
-def stress(material, u, side=None):
+def stress(material: Isotropic | WithoutPressure, u: CoefficientFunction, side: str | None = None) -> CoefficientFunction:
     """σ of a trial or test function or GridFunction of a CrackFESpace, a 2 × 2 CoefficientFunction; side as for Gradient."""
     if not is_projected(u.space, material):
         return material.Stress(Strain(u, side))
     return material.Stress(Strain(u, side), dilatation(material, u, side))
 
 
-def stress_power(material, u, v, pressure=None):
+def stress_power(
+    material: Isotropic | WithoutPressure, u: CoefficientFunction, v: CoefficientFunction, pressure: PressureField | None = None
+) -> CoefficientFunction:
     """σ(u):ε(v), in which D takes the place of both divergences.  pressure: the PressureField π: D + π/λ_L takes their place."""
     if not is_projected(u.space, material):
         return material.StressPower(Strain(u), Strain(v))
@@ -67,7 +79,7 @@ def stress_power(material, u, v, pressure=None):
     return material.StressPower(Strain(u), Strain(v), both, None if pressure is None else pressure.At(None))
 
 
-def warn_of_locking(V, material, stabilisation):
+def warn_of_locking(V: CrackFESpace, material: Isotropic, stabilisation: Stabilisation | None) -> None:
     """Says by an AccuracyWarning what does not go with a nearly incompressible material."""
     if not material.nearly_incompressible:
         return
@@ -76,7 +88,7 @@ def warn_of_locking(V, material, stabilisation):
         warn(f"ContactProblem: the material is nearly incompressible (nu = {region.nu:.7g} in plane strain), and {doubt}")
 
 
-def doubts(V, stabilisation):
+def doubts(V: CrackFESpace, stabilisation: Stabilisation | None) -> list[str]:
     """What does not go with a nearly incompressible material, with its remedy."""
     if V.globalorder == 1:
         return [LOCKING]

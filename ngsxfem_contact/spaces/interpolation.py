@@ -1,5 +1,9 @@
 """Functions of V_h from given ones: Definition 3.1 of [AHLMR12], and the L² projection."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunction, LinearForm, NodeId, VectorH1
 
@@ -7,8 +11,15 @@ from ..algebra.elimination import Elimination
 from ..arguments import check_function
 from .unknowns import Unknowns
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
-def Interpolant(V, plus, minus=None, tips=()):
+    from ngsolve import CoefficientFunction
+
+    from .._ngsxfem_contact import Crack, CrackFESpace
+
+
+def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[Any] = ()) -> GridFunction:
     """Π_h u: a_i = û^{s_i}(y_i), b_i = (û⁺ - û⁻)(y_i), and given coefficients for the tip functions.
 
     plus, minus: û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two
@@ -34,25 +45,25 @@ def Interpolant(V, plus, minus=None, tips=()):
     return u
 
 
-def _smooth(V, function, name):
+def _smooth(V: CrackFESpace, function: Any, name: str) -> np.ndarray:
     """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
     plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
     plain.Set(check_function(function, f"Interpolant: {name}", 2), dual=True)
     return finite(plain.vec.FV().NumPy().copy(), f"Interpolant: {name}")
 
 
-def finite(values, name):
+def finite(values: np.ndarray, name: str) -> np.ndarray:
     """The values; raises ValueError unless all are finite."""
     if not np.isfinite(values).all():
         raise ValueError(f"{name} is not finite (NaN or inf) somewhere in the body")
     return values
 
 
-def _scalar_flags(V):
+def _scalar_flags(V: CrackFESpace) -> dict[str, float]:
     return {key: value for key, value in V.flags.ToDict().items() if key in ("order", "orderinner")}
 
 
-def _own_sides(V):
+def _own_sides(V: CrackFESpace) -> np.ndarray:
     """+1 or -1 for each φ_i: the side of the larger part of its support, or of its node if it is not enriched."""
     unknowns = Unknowns(V)
     sides = np.ones(unknowns.functions, dtype=int)
@@ -68,13 +79,13 @@ def _own_sides(V):
     return sides
 
 
-def _side_of_nearest(cracks, point):
+def _side_of_nearest(cracks: list[Crack], point: tuple[float, float]) -> int:
     distance = lambda crack: np.hypot(*np.subtract(crack.PointAt(crack.ArcLength(point)), point))
     nearest = cracks[0] if len(cracks) == 1 else min(cracks, key=distance)
     return int(nearest.SideOf(point))
 
 
-def Projection(V, function, bonus_intorder=4):
+def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: int = 4) -> GridFunction:
     """The L²(Ω∖Γ_C) projection onto V, a GridFunction.
 
     V: CrackFESpace.    function: CoefficientFunction with two components, which may jump across the cracks.    bonus_intorder: of the

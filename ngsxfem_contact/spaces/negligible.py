@@ -1,16 +1,26 @@
 """Heaviside functions that add nothing to a space but round-off (docs/conditioning.md)."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from ngsolve import BitArray
 
 from ..algebra.matrices import csr_view
 from .unknowns import Unknowns
 
+if TYPE_CHECKING:
+    from ngsolve import BaseMatrix
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackFESpace
+
 SLIVER = 1e-4  # of the energy of φ_i: only functions with less can be negligible
 BOUND = 1e-13  # of the energy of φ_i: what a negligible function adds to the span of the others
 
 
-def without_negligible(matrix, V, free):
+def without_negligible(matrix: BaseMatrix, V: CrackFESpace, free: BitArray) -> BitArray:
     """The free unknowns without those of negligible functions, a new BitArray."""
     kept = BitArray(free)
     for dof in negligible_functions(matrix, V, free):
@@ -18,7 +28,7 @@ def without_negligible(matrix, V, free):
     return kept
 
 
-def negligible_functions(matrix, V, free):
+def negligible_functions(matrix: BaseMatrix, V: CrackFESpace, free: BitArray) -> np.ndarray:
     """Unknowns b_i whose function is a combination of others on the same sliver but for BOUND of the energy of φ_i.
 
     A Gram-Schmidt elimination in the energy (matrix: an NGSolve matrix on V), from the largest functions to the
@@ -38,12 +48,12 @@ def negligible_functions(matrix, V, free):
     return slivers[~adds]
 
 
-def energies_of_whole_functions(unknowns, energies):
+def energies_of_whole_functions(unknowns: Unknowns, energies: np.ndarray) -> np.ndarray:
     """That of φ_i for each unknown b_i, in the order of the unknowns."""
     return np.concatenate([energies[unknowns.Polynomial(component)][unknowns.enriched] for component in range(2)])
 
 
-def added_energies(A, bounds):
+def added_energies(A: csr_matrix, bounds: np.ndarray) -> np.ndarray:
     """Whether each function adds more than its bound to the span of those before it that do."""
     kept = np.zeros(A.shape[0], dtype=bool)
     diagonal = A.diagonal()
@@ -57,7 +67,7 @@ def added_energies(A, bounds):
     return kept
 
 
-def projection_energy(block, coupling, cutoff=1e-12):
+def projection_energy(block: np.ndarray, coupling: np.ndarray, cutoff: float = 1e-12) -> float:
     """couplingᵀ block⁺ coupling."""
     values, vectors = np.linalg.eigh(block) if len(block) else (np.zeros(0), np.zeros((0, 0)))
     regular = values > cutoff

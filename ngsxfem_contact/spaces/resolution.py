@@ -1,14 +1,24 @@
 """Warnings where the mesh is too coarse for a crack, so that an answer would look right and be wrong."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..errors import warn
 from .tip_disk import largest_disk
 
+if TYPE_CHECKING:
+    from ngsolve import BitArray
+
+    from .._ngsxfem_contact import CrackedMesh, Tip, TipSpec
+    from ..material import Isotropic
+
 CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
 
 
-def element_sizes(body, elements):
+def element_sizes(body: CrackedMesh, elements: BitArray) -> np.ndarray:
     """The edges of equilateral triangles of the same areas."""
     nodes = body.mesh.ngmesh.Elements2D().NumPy()["nodes"][list(elements), :3] - 1
     a, b, c = np.moveaxis(body.mesh.ngmesh.Coordinates()[nodes, :2], 1, 0)
@@ -16,13 +26,13 @@ def element_sizes(body, elements):
     return np.sqrt(2 / np.sqrt(3) * twice)
 
 
-def size_at(body, tip):
+def size_at(body: CrackedMesh, tip: Tip) -> float:
     """Of the largest element that carries a tip of body.tips."""
     close = 1e-9 * body.cracks[tip.crack].length
     return element_sizes(body, [at.element for at in body.Elements(tip.crack) if min(abs(s - tip.s) for s in at.arclength) <= close]).max()
 
 
-def warn_of_coarse(body, specs, material):
+def warn_of_coarse(body: CrackedMesh, specs: list[TipSpec | None], material: Isotropic | None) -> None:
     """Cracks of less than CRACK elements for each tip; at others tips whose functions reach less than DISK, and tips without functions less than ROOM elements from what is next."""
     short = [number for number in range(len(body.cracks)) if warn_of_short_crack(body, number)]
     for tip, spec in zip(body.tips, specs):
@@ -30,7 +40,7 @@ def warn_of_coarse(body, specs, material):
             warn_of_small_disk(body, tip, spec, material)
 
 
-def warn_of_short_crack(body, number):
+def warn_of_short_crack(body: CrackedMesh, number: int) -> bool:
     """Returns whether it warned."""
     crack, least = body.cracks[number], CRACK * sum(tip.crack == number for tip in body.tips)
     size = np.median(element_sizes(body, [at.element for at in body.Elements(number)]))
@@ -43,7 +53,7 @@ def warn_of_short_crack(body, number):
     return True
 
 
-def warn_of_small_disk(body, tip, spec, material):
+def warn_of_small_disk(body: CrackedMesh, tip: Tip, spec: TipSpec | None, material: Isotropic | None) -> None:
     """The room may be there, and r1 chosen smaller."""
     size, (room, limit) = size_at(body, tip), largest_disk(body, tip, material if spec else None)
     radius, least = (spec.r1, DISK) if spec else (room, ROOM)
@@ -58,7 +68,7 @@ def warn_of_small_disk(body, tip, spec, material):
     )
 
 
-def warn_of_short_increment(body, tip, advance):
+def warn_of_short_increment(body: CrackedMesh, tip: Tip, advance: float) -> bool:
     """Growth by less than INCREMENT elements; returns whether it warned."""
     size = size_at(body, tip)
     if advance >= 0.9 * INCREMENT * size:  # triangles of one mesh differ by as much
@@ -70,6 +80,6 @@ def warn_of_short_increment(body, tip, advance):
     return True
 
 
-def place(point):
+def place(point: tuple[float, float]) -> str:
     """A point in a message."""
     return f"({point[0]:.4g}, {point[1]:.4g})"

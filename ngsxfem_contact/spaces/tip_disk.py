@@ -1,9 +1,19 @@
 """How large the disk of a tip's singular functions may be."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from ngsolve import BitArray, Mesh
 
-def largest_disk(body, tip, material=None):
+    from .._ngsxfem_contact import CrackedMesh, Tip
+    from ..material import Isotropic
+
+
+def largest_disk(body: CrackedMesh, tip: Tip, material: Isotropic | None = None) -> tuple[float, str]:
     """(radius, what limits it): the tip's clearance, and the distance to elements in which its functions would be wrong.
 
     Those are curved elements, whose rules around a tip are made for straight triangles, and for the modes of a material
@@ -21,7 +31,7 @@ def largest_disk(body, tip, material=None):
     return min(limits, key=lambda limit: limit[0])
 
 
-def distance(mesh, elements, point):
+def distance(mesh: Mesh, elements: BitArray, point: tuple[float, float]) -> float:
     """Of a point from some straight triangles; inf if there are none, 0 inside of one."""
     if len(elements) == 0:
         return np.inf

@@ -1,5 +1,9 @@
 """W_h, the multipliers on the cracks: section 4 of docs/method.md."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 import scipy
 from ngsolve import BilinearForm, GridFunction
@@ -8,6 +12,11 @@ from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
 from ..arguments import check_type, check_whole
 from ..points import crack_points
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackedMesh
 
 
 class TraceSpace(core.TraceSpace):
@@ -22,7 +31,7 @@ class TraceSpace(core.TraceSpace):
     0 to the length of their crack.    Source: section 4 of [AHLMR12].
     """
 
-    def __init__(self, body, order=1, basis="nodal", nodes=None):
+    def __init__(self, body: CrackedMesh, order: int = 1, basis: str = "nodal", nodes: Any = None) -> None:
         check_type(body, core.CrackedMesh, "TraceSpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
         check_whole(order, "TraceSpace: order", 0)
         if nodes is None:
@@ -41,12 +50,12 @@ class TraceSpace(core.TraceSpace):
             raise ValueError(f"TraceSpace: basis={basis!r} is not 'nodal' or 'trace'")
         super().__init__(body, functions, order)
 
-    def NodalPositions(self):
+    def NodalPositions(self) -> list[np.ndarray]:
         """For each crack the arc lengths of the nodes at which signs are taken (for order 0: the intervals' midpoints)."""
         nodal = core.NodalTraceBasis(self.body, self.order, self.basis.nodes)
-        return [nodal.DofPositions(c) for c in range(len(self.body.cracks))]
+        return [np.array(nodal.DofPositions(c)) for c in range(len(self.body.cracks))]
 
-    def NodalValues(self):
+    def NodalValues(self) -> np.ndarray | None:
         """The matrix of the functions' values at the nodes, or None where it is the identity."""
         if isinstance(self.basis, core.NodalTraceBasis):
             return None
@@ -62,13 +71,13 @@ class TraceSpace(core.TraceSpace):
         return values
 
 
-def mass_matrix(W):
+def mass_matrix(W: TraceSpace) -> csr_matrix:
     """∫ψ_i ψ_j over the cracks, scipy CSR."""
     lam, mu = W.TnT()
     return to_scipy(BilinearForm(lam * mu * W.dcrack).Assemble().mat)
 
 
-def redundant_functions(body, order, nodes, tolerance=1e-7):
+def redundant_functions(body: CrackedMesh, order: int, nodes: list[list[float]], tolerance: float = 1e-7) -> set[int]:
     """Which traces of mesh functions depend on others: the two steps of section 4 of [AHLMR12].
 
     First a Gram-Schmidt elimination among functions that overlap, then a Lanczos search for what is left of the kernel
@@ -94,7 +103,7 @@ def redundant_functions(body, order, nodes, tolerance=1e-7):
         kept.pop(int(np.argmax(np.abs(vector))))
 
 
-def smallest_eigenpair(matrix):
+def smallest_eigenpair(matrix: csr_matrix) -> tuple[float, np.ndarray]:
     """Of a symmetric positive semi-definite scipy matrix with unit diagonal: Lanczos on the shifted matrix."""
     if matrix.shape[0] < 20:
         values, vectors = np.linalg.eigh(matrix.toarray())
