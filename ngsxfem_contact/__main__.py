@@ -1,5 +1,7 @@
 """The command line: `python -m ngsxfem_contact part.toml` solves a part, docs/job.md; without a file the test of the paper."""
 
+from __future__ import annotations
+
 import argparse
 import importlib.util
 import io
@@ -7,6 +9,7 @@ import logging
 import sys
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ngsolve import TaskManager, ngsglobals
 
@@ -16,10 +19,13 @@ from .job.part import EXAMPLE, read_part
 from .job.results import numbers_of, summary, write_results
 from .job.table import RefusedPart
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
 logger = logging.getLogger(f"{__package__}.command")
 
 
-def parse(arguments):
+def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     """The options of a command line; ends with a message where one makes no sense."""
     parser = argparse.ArgumentParser(
         prog="python -m ngsxfem_contact",
@@ -35,7 +41,7 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def can_draw():
+def can_draw() -> bool:
     """Whether there is matplotlib; says so if there is none."""
     try:
         import matplotlib
@@ -46,7 +52,7 @@ def can_draw():
     return True
 
 
-def run(options):
+def run(options: argparse.Namespace) -> None:
     """Solves, writes, and says so."""
     logger.info("reading %s", options.file)
     with TaskManager():
@@ -67,13 +73,13 @@ def run(options):
 class WithSeconds(logging.Formatter):
     """Lines that begin with the seconds since the start."""
 
-    def format(self, record):
+    def format(self, record: logging.LogRecord) -> str:
         """The line of a record."""
         return f"{record.relativeCreated / 1000:7.1f} s  {super().format(record)}"
 
 
 @contextmanager
-def shown(name):
+def shown(name: str) -> Iterator[None]:
     """Prints what the logger of this name says, from INFO, while the block runs."""
     source, handler = logging.getLogger(name), logging.StreamHandler(sys.stdout)
     level = source.level
@@ -87,14 +93,14 @@ def shown(name):
         source.setLevel(level)
 
 
-def say_what_can_be_said():
+def say_what_can_be_said() -> None:
     """Characters that a terminal lacks (γ, ²) become question marks, no errors."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
 
 
-def ending_well(job):
+def ending_well(job: Callable[[], None]) -> int:
     """Calls a job; the exit code: 0, 1 without an answer, 2 for a part's file that is refused, 130 after Ctrl-C."""
     say_what_can_be_said()
     try:
@@ -111,7 +117,7 @@ def ending_well(job):
         return 130
 
 
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command line; returns its exit code."""
     ngsglobals.msg_level = 0
     arguments = sys.argv[1:] if arguments is None else arguments
@@ -125,7 +131,7 @@ def main(arguments=None):
         return ending_well(lambda: run(options))
 
 
-def main_of_study(arguments):
+def main_of_study(arguments: Sequence[str]) -> int:
     """`python -m study`, where the sources of the package are at hand; returns its exit code."""
     if importlib.util.find_spec("study") is None:
         print("there is no `study` here: it lies beside the package, in its sources; run `python -m study` in their folder", file=sys.stderr)

@@ -1,7 +1,10 @@
 """The body of a part: its mesh, materials, cracks and spaces."""
 
+from __future__ import annotations
+
 import gzip
 from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import netgen.meshing
 from netgen.geom2d import SplineGeometry
@@ -16,6 +19,13 @@ from .formula import evaluated
 from .gmsh import read_gmsh
 from .table import Wrong, array, boolean, choice, formula, number, point, points, tables, text, whole
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from .._ngsxfem_contact import CrackedMesh
+    from ..material import Isotropic
+    from .table import Kind, Table
+
 SIDES = ("bottom", "right", "top", "left")
 LARGEST = 1000  # elements along a side
 
@@ -23,7 +33,7 @@ LARGEST = 1000  # elements along a side
 # The mesh
 
 
-def mesh_of(table):
+def mesh_of(table: Table) -> Mesh:
     """The Mesh of [mesh]: of a file, or of a rectangle."""
     if table.OneOf(("file", "rectangle")) == "rectangle":
         return rectangle(table, **table.Take({"rectangle": array(point, "two corners [[x, y], [x, y]]", 2, 2), "maxh": number}, ["rectangle", "maxh"]))
@@ -34,7 +44,7 @@ def mesh_of(table):
     return mesh
 
 
-def read_mesh(table, name):
+def read_mesh(table: Table, name: str) -> Mesh:
     """A .vol or .msh file, beside the part's file unless its path is absolute."""
     path = table.file.parent / name
     read = read_gmsh if path.suffix == ".msh" else read_netgen
@@ -51,7 +61,7 @@ def read_mesh(table, name):
     return mesh
 
 
-def read_netgen(path):
+def read_netgen(path: Path) -> netgen.meshing.Mesh:
     """The netgen mesh of a .vol or .vol.gz file. Raises UnreadableFile for what is none, or not a whole one: Netgen's reader does not survive it."""
     try:
         with (gzip.open if path.suffix == ".gz" else open)(path, "rt", encoding="utf-8", errors="replace") as file:
@@ -65,7 +75,7 @@ def read_netgen(path):
     return mesh
 
 
-def curve_boundary(table, mesh, order):
+def curve_boundary(table: Table, mesh: Mesh, order: int) -> None:
     """Curves the elements at the boundary. Refuses orders that are none, and files without the geometry that it takes."""
     if not 1 <= order <= 10:
         table.Refuse(f"{order} must lie between 1 and 10", "curve")
@@ -78,7 +88,7 @@ def curve_boundary(table, mesh, order):
         )
 
 
-def rectangle(table, rectangle, maxh):
+def rectangle(table: Table, rectangle: list[list[float]], maxh: float) -> Mesh:
     """An unstructured mesh between two corners; boundaries "bottom", "right", "top", "left"."""
     low, high = rectangle
     if not (low[0] < high[0] and low[1] < high[1]):
@@ -96,7 +106,7 @@ def rectangle(table, rectangle, maxh):
 # Materials
 
 
-def material_of(entries, mesh):
+def material_of(entries: list[Table], mesh: Mesh) -> Isotropic:
     """The Elasticity of the [[material]] tables, by region where there are several."""
     found = {}
     for table in entries:
@@ -109,10 +119,10 @@ def material_of(entries, mesh):
     if list(found) == [None]:
         return found[None]
     with entries[0].Blamed():
-        return Elasticity.ByRegion(mesh, found)
+        return Elasticity.ByRegion(mesh, {region: material for region, material in found.items() if region is not None})
 
 
-def one_material(table):
+def one_material(table: Table) -> tuple[str | None, Elasticity]:
     """(region or None, Elasticity)."""
     kinds = {"region": text, "E": number, "nu": number, "lam": number, "mu": number, "form": choice(*FORMS), "alpha": number}
     lame = table.OneOf(("E", "lam")) == "lam"
@@ -131,30 +141,30 @@ MATERIALS: dict[str | None, Callable[..., Elasticity]] = {None: Elasticity, "pla
 # Cracks
 
 
-def crack_of(table, mesh):
+def crack_of(table: Table, mesh: Mesh) -> Crack:
     """The Crack of a table."""
     shape = table.OneOf(SHAPES)
     with table.Blamed():
         return SHAPES[shape](table, mesh)
 
 
-def polyline(table, mesh):
+def polyline(table: Table, mesh: Mesh) -> Crack:
     """Crack([...])."""
     return Crack(pairs(table.Take({"polyline": points})["polyline"]))
 
 
-def arc(table, mesh):
+def arc(table: Table, mesh: Mesh) -> Crack:
     """Crack.Arc."""
     return Crack.Arc(*pairs(table.Take({"arc": array(point, "three points: start, a point between, end", 3, 3)})["arc"]))
 
 
-def spline(table, mesh):
+def spline(table: Table, mesh: Mesh) -> Crack:
     """Crack.Spline."""
     values = table.Take({"spline": points, "ends": text})
     return Crack.Spline(pairs(values.pop("spline")), **values)
 
 
-def curve(table, mesh):
+def curve(table: Table, mesh: Mesh) -> Crack:
     """Crack.Curve, of two formulas in t."""
     two = array(text, "two formulas in t in quotes", 2, 2)
     values = table.Take({"curve": two, "t": array(number, "two numbers [t0, t1]", 2, 2), "tolerance": number, "max_pieces": whole}, ["curve", "t"])
@@ -162,21 +172,21 @@ def curve(table, mesh):
     return Crack.Curve(lambda t: tuple(evaluated(text, {"t": t}) for text in coordinates), t0, t1, **values)
 
 
-def level_set(table, mesh):
+def level_set(table: Table, mesh: Mesh) -> Crack:
     """Crack.LevelSet."""
     values = table.Take({"level_set": formula, "psi": formula, "tolerance": number, "max_points": whole})
     return Crack.LevelSet(mesh, values.pop("level_set"), **values)
 
 
-def join(table, mesh):
+def join(table: Table, mesh: Mesh) -> Crack:
     """Crack.Join of cracks that are written as in [[crack]]."""
     parts = table.Take({"join": tables})["join"]
     return Crack.Join(*(crack_of(type(table)(part, f"{table.name}, join {i + 1}", table.file), mesh) for i, part in enumerate(parts)))
 
 
-def pairs(rows):
+def pairs(rows: Any) -> list[tuple[float, float]]:
     """Points as tuples."""
-    return [tuple(row) for row in rows]
+    return [(x, y) for x, y in rows]
 
 
 SHAPES = {"polyline": polyline, "arc": arc, "spline": spline, "curve": curve, "level_set": level_set, "join": join}
@@ -185,18 +195,18 @@ SHAPES = {"polyline": polyline, "arc": arc, "spline": spline, "curve": curve, "l
 # Spaces
 
 
-def displacements(table, body, material, held):
+def displacements(table: Table, body: CrackedMesh, material: Isotropic, held: dict[str, Any]) -> CrackFESpace:
     """The CrackFESpace of [displacement]; held: dirichlet, dirichletx, dirichlety."""
     values = table.Take({"order": whole, "bubble": boolean, "tip": tip_of(table)})
     with table.Blamed():
         return CrackFESpace(body, material=material, **values, **held)
 
 
-def tip_of(table):
+def tip_of(table: Table) -> Kind:
     """The kind of a key that is false, for no tip functions, or a table of what TipEnrichment takes."""
     kinds = {"r0": number, "r1": number, "cutoff": text, "functions": choice("branch"), "tolerance": number}
 
-    def kind(value):
+    def kind(value: Any) -> Any:
         if value is False:
             return None
         if not isinstance(value, dict):
@@ -208,7 +218,7 @@ def tip_of(table):
     return kind
 
 
-def multipliers(table, body):
+def multipliers(table: Table, body: CrackedMesh) -> TraceSpace:
     """The TraceSpace of [multiplier]."""
     values = table.Take({"order": whole, "basis": text})
     with table.Blamed():

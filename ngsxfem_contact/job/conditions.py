@@ -1,5 +1,9 @@
 """What a part is subject to: contact, friction, loads, supports."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeAlias
+
 import numpy as np
 from ngsolve import CF, CoefficientFunction, specialcf
 
@@ -12,15 +16,26 @@ from ..contact.stabilisation import BarbosaHughes, BothSides
 from ..operators import Jump
 from .table import array, boolean, choice, formula, number, point, subtable, text, two_formulas, vector, whole
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from ngsolve import Mesh
+
+    from ..contact.problem import ContactProblem
+    from ..protocols import FaceLaw, Stabilisation
+    from .table import Kind, Table
+
+    Choices: TypeAlias = Mapping[str, tuple[Callable[..., Any], dict[str, Kind]]]  # name → (class, kinds of its arguments)
+
 # Contact
 
 
-def contact_options(table):
+def contact_options(table: Table) -> dict[str, Any]:
     """cone=, gap= of ContactProblem, from [contact]."""
     return table.Take({"cone": choice(*CONES), "gap": formula})
 
 
-STABILISATIONS = {
+STABILISATIONS: Choices = {
     "BarbosaHughes": (BarbosaHughes, {"gamma0": number, "theta": number}),
     "BothSides": (BothSides, {"gamma0": number, "weight": number}),
     "Nitsche": (Nitsche, {"theta": whole, "gamma0": number, "coercivity": number, "points": whole}),
@@ -28,25 +43,25 @@ STABILISATIONS = {
 }
 
 
-def stabilisation_of(table):
+def stabilisation_of(table: Table) -> Stabilisation | None:
     """The object of [stabilisation], or None."""
     return chosen(table, "method", STABILISATIONS)
 
 
-METHODS = {"FullNewton": (FullNewton, {}), "FixedPoint": (FixedPoint, {"tolerance": number, "max_iterations": whole})}
+METHODS: Choices = {"FullNewton": (FullNewton, {}), "FixedPoint": (FixedPoint, {"tolerance": number, "max_iterations": whole})}
 
 
-def friction_of(table):
+def friction_of(table: Table) -> FaceLaw:
     """The object of [friction]."""
 
-    def method(value):
+    def method(value: Any) -> Any:
         return chosen(type(table)(subtable(value), f"{table.name}, method", table.file), "name", METHODS)
 
-    laws = {"Coulomb": (Coulomb, {"mu_f": formula, "method": method}), "Tresca": (Tresca, {"s": formula, "in_contact_only": boolean})}
+    laws: Choices = {"Coulomb": (Coulomb, {"mu_f": formula, "method": method}), "Tresca": (Tresca, {"s": formula, "in_contact_only": boolean})}
     return chosen(table, "law", laws)
 
 
-def chosen(table, key, classes):
+def chosen(table: Table, key: str, classes: Choices) -> Any:
     """The object of one of some classes, name → (class, kinds of its arguments), named by a key."""
     if key not in table.values:
         table.Refuse(f"the key is missing; it is one of {', '.join(classes)}", key)
@@ -57,7 +72,7 @@ def chosen(table, key, classes):
         return make(**{argument: value for argument, value in values.items() if argument != key})
 
 
-def initial_options(table):
+def initial_options(table: Table) -> dict[str, Any]:
     """initial_stress=, temperature= of ContactProblem, from [initial]."""
     rows = array(array(formula, MATRIX, 2, 2), MATRIX, 2, 2)
     values = table.Take({"stress": lambda value: CF(tuple(entry for row in rows(value) for entry in row), dims=(2, 2)), "temperature": formula})
@@ -70,37 +85,37 @@ MATRIX = "a matrix [[xx, xy], [xy, yy]] of numbers or formulas"
 # Loads
 
 
-def add_load(table, problem):
+def add_load(table: Table, problem: ContactProblem) -> None:
     """Adds one [[load]] to a problem."""
     kind = table.OneOf(LOADS)
     with table.Blamed():
         LOADS[kind](table, problem)
 
 
-def body_force(table, problem):
+def body_force(table: Table, problem: ContactProblem) -> None:
     """∫f·v over the body, or over a region of it."""
     values = table.Take({"body_force": vector, "region": text, "bonus_intorder": whole})
     force = values.pop("body_force")
     problem.f += force * problem.V.TestFunction() * problem.body.dx(**definedon(table, problem, "region", values))
 
 
-def traction(table, problem):
+def traction(table: Table, problem: ContactProblem) -> None:
     """∫t·v over a part of the boundary."""
     values = table.Take({"traction": vector, "boundary": text, "bonus_intorder": whole}, ["traction", "boundary"])
     _on_boundary(table, problem, values.pop("traction"), values)
 
 
-def pressure(table, problem):
+def pressure(table: Table, problem: ContactProblem) -> None:
     """∫-p n·v over a part of the boundary."""
     values = table.Take({"pressure": formula, "boundary": text, "bonus_intorder": whole}, ["pressure", "boundary"])
     _on_boundary(table, problem, -values.pop("pressure") * specialcf.normal(2), values)
 
 
-def _on_boundary(table, problem, force, values):
+def _on_boundary(table: Table, problem: ContactProblem, force: Any, values: dict[str, Any]) -> None:
     problem.f += force * problem.V.TestFunction() * problem.body.ds(**definedon(table, problem, "boundary", values))
 
 
-def point_force(table, problem):
+def point_force(table: Table, problem: ContactProblem) -> None:
     """F·v at a point."""
     values = table.Take({"point_force": array(number, "two numbers [x, y]", 2, 2), "at": point}, ["point_force", "at"])
     if not problem.V.mesh.Contains(*values["at"]):
@@ -110,7 +125,7 @@ def point_force(table, problem):
             problem.f += (component * problem.V.TestFunction()[k])(*values["at"])
 
 
-def face_pressure(table, problem):
+def face_pressure(table: Table, problem: ContactProblem) -> None:
     """ContactProblem.FacePressure."""
     values = table.Take({"face_pressure": formula, "crack": whole, "bonus_intorder": whole})
     pressure = values.pop("face_pressure")
@@ -118,7 +133,7 @@ def face_pressure(table, problem):
         problem.FacePressure(pressure, **values)
 
 
-def face_traction(table, problem):
+def face_traction(table: Table, problem: ContactProblem) -> None:
     """ContactProblem.FaceTraction."""
     values = table.Take({"face_traction": subtable, "crack": whole, "bonus_intorder": whole})
     inner = type(table)(values.pop("face_traction"), f"{table.name}, face_traction", table.file)
@@ -126,10 +141,10 @@ def face_traction(table, problem):
     if not sides:
         table.Refuse("it has neither plus nor minus; give one of them or both", "face_traction")
     if any(not_zero(component) for side in sides.values() for component in side):
-        problem.FaceTraction(**{side: tuple(components) for side, components in sides.items()}, **values)
+        problem.FaceTraction(sides.get("plus", (0, 0)), sides.get("minus", (0, 0)), **values)
 
 
-def not_zero(value):
+def not_zero(value: Any) -> bool:
     """Whether a formula is a function, or another number than zero: NGSolve's forms do not survive terms that are zero."""
     return isinstance(value, CoefficientFunction) or value != 0
 
@@ -144,7 +159,7 @@ LOADS = {
 }
 
 
-def definedon(table, problem, key, values):
+def definedon(table: Table, problem: ContactProblem, key: str, values: dict[str, Any]) -> dict[str, Any]:
     """The options of a measure: values, with the name of a region or of a boundary under the name that measures have for it."""
     if key in values:
         part = matched(table, key, problem.V.mesh)
@@ -152,7 +167,7 @@ def definedon(table, problem, key, values):
     return values
 
 
-def matched(table, key, mesh):
+def matched(table: Table, key: str, mesh: Mesh) -> Any:
     """The Region of a name or regular expression of the mesh. Refuses one that matches nothing."""
     find, names = {"region": (mesh.Materials, mesh.GetMaterials), "boundary": (mesh.Boundaries, mesh.GetBoundaries)}[key]
     part = find(table.values[key])
@@ -164,7 +179,7 @@ def matched(table, key, mesh):
 # Supports
 
 
-def held_by(entries, mesh):
+def held_by(entries: list[Table], mesh: Mesh) -> dict[str, str]:
     """dirichlet=, dirichletx=, dirichlety= of CrackFESpace, from the [[support]] tables of boundaries."""
     held, taken = {"dirichlet": [], "dirichletx": [], "dirichlety": []}, {}
     for table in entries:
@@ -179,7 +194,7 @@ def held_by(entries, mesh):
     return {flag: "|".join(names) for flag, names in held.items() if names}
 
 
-def boundary_values(table):
+def boundary_values(table: Table) -> dict[str, Any]:
     """The values of a [[support]] of a boundary."""
     values = table.Take({"boundary": text, "x": formula, "y": formula}, ["boundary"])
     if len(values) == 1:
@@ -187,19 +202,19 @@ def boundary_values(table):
     return values
 
 
-def add_support(table, problem):
+def add_support(table: Table, problem: ContactProblem) -> None:
     """Adds one [[support]] to a problem."""
     with table.Blamed():
         SUPPORTS[kind_of_support(table)](table, problem)
 
 
-def kind_of_support(table):
+def kind_of_support(table: Table) -> str:
     """The key that says what a [[support]] is."""
     others = [key for key in SUPPORTS if key in table.values and key != "boundary"]
     return others[0] if len(others) == 1 else table.OneOf(SUPPORTS)
 
 
-def boundary(table, problem):
+def boundary(table: Table, problem: ContactProblem) -> None:
     """SetDirichlet, where something else than zero is given, which the space holds."""
     values = boundary_values(table)
     components = tuple(values.get(key) for key in "xy")
@@ -207,7 +222,7 @@ def boundary(table, problem):
         problem.SetDirichlet(components, values["boundary"])
 
 
-def pin(table, problem):
+def pin(table: Table, problem: ContactProblem) -> None:
     """ContactProblem.Pin."""
     values = table.Take({"pin": point, "x": number, "y": number}, ["pin"])
     components = "".join(key for key in "xy" if key in values)
@@ -216,26 +231,26 @@ def pin(table, problem):
     problem.Pin(tuple(values["pin"]), components, [values[key] for key in components])
 
 
-def springs(table, problem):
+def springs(table: Table, problem: ContactProblem) -> None:
     """Springs on a part of the boundary, in x and in y."""
     values = table.Take({"springs": two_formulas, "boundary": text, "bonus_intorder": whole}, ["springs", "boundary"])
     _add_springs(problem, values.pop("springs"), problem.body.ds(**definedon(table, problem, "boundary", values)))
 
 
-def foundation(table, problem):
+def foundation(table: Table, problem: ContactProblem) -> None:
     """Springs in the body, or in a region of it."""
     values = table.Take({"foundation": two_formulas, "region": text, "bonus_intorder": whole})
     _add_springs(problem, values.pop("foundation"), problem.body.dx(**definedon(table, problem, "region", values)))
 
 
-def _add_springs(problem, stiffness, measure):
+def _add_springs(problem: ContactProblem, stiffness: Any, measure: Any) -> None:
     u, v = problem.V.TnT()
     for k, value in enumerate(stiffness):
         if not_zero(value):
             problem.a += value * u[k] * v[k] * measure
 
 
-def joint(table, problem):
+def joint(table: Table, problem: ContactProblem) -> None:
     """An elastic joint on one crack or on all."""
     values = table.Take({"joint": formula, "crack": whole, "bonus_intorder": whole})
     if "crack" in values:

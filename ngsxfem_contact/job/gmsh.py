@@ -1,19 +1,26 @@
 """Meshes of gmsh, text files of format 2.2 and 4.1: triangles of physical surfaces, boundaries of physical curves."""
 
+from __future__ import annotations
+
 from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import netgen.meshing as ngm
 import numpy as np
 
 from ..files import UnreadableFile
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 LINE, TRIANGLE, POINT = 1, 2, 15
 KINDS = {LINE: "curve", TRIANGLE: "surface"}
+Elements: TypeAlias = tuple[dict[int, tuple[float, ...]], list[tuple[int, list[int], int, list[int]]]]  # see format_2
 DEFAULT = "default"  # the name of the boundary that no physical curve covers
 
 
-def read_gmsh(path):
+def read_gmsh(path: Path) -> ngm.Mesh:
     """The netgen mesh of a .msh file.
 
     Regions and boundaries have the names of their physical groups, or "surface3", "curve3" after the tag of the group, or of the entity where it is in none.
@@ -35,7 +42,7 @@ def read_gmsh(path):
         raise UnreadableFile(f"{path} is no whole mesh of gmsh, format {version}: {type(error).__name__} {error}; write it again") from None
 
 
-def read_sections(path):
+def read_sections(path: Path) -> dict[str, list[str]]:
     """Name of a section → its lines."""
     sections, current = {}, None
     for line in Path(path).read_text(encoding="utf-8", errors="replace").splitlines():
@@ -50,19 +57,19 @@ def read_sections(path):
     return sections
 
 
-def fields(sections, name, path):
+def fields(sections: dict[str, list[str]], name: str, path: Path) -> list[list[str]]:
     """The words of the lines of a section."""
     if not sections.get(name):
         raise UnreadableFile(f"{path} has no section ${name}; it is no mesh of gmsh, or not a whole one")
     return [line.split() for line in sections[name]]
 
 
-def physical_names(sections):
+def physical_names(sections: dict[str, list[str]]) -> list[list[str]]:
     """(dimension, tag, name in quotes) of the physical groups."""
     return [line.split(maxsplit=2) for line in sections.get("PhysicalNames", ["0"])[1:]]
 
 
-def format_2(sections, path):
+def format_2(sections: dict[str, list[str]], path: Path) -> Elements:
     """Points by their tags, and (kind, physical tag, tag of the entity, corners) of the elements."""
     points = {int(tag): tuple(map(float, place)) for tag, *place in fields(sections, "Nodes", path)[1:]}
     elements = []
@@ -72,7 +79,7 @@ def format_2(sections, path):
     return points, elements
 
 
-def format_4(sections, path):
+def format_4(sections: dict[str, list[str]], path: Path) -> Elements:
     """The same, from blocks of entities."""
     groups = entity_groups(fields(sections, "Entities", path)) if "Entities" in sections else {}
     points, lines = {}, iter(fields(sections, "Nodes", path)[1:])
@@ -87,7 +94,7 @@ def format_4(sections, path):
     return points, elements
 
 
-def entity_groups(lines):
+def entity_groups(lines: list[list[str]]) -> dict[tuple[int, int], list[int]]:
     """(dimension, tag of an entity) → the tags of its physical groups."""
     (numbers, *entities), groups = lines, {}
     dims = [dim for dim, number in enumerate(numbers) for _ in range(int(number))]
@@ -100,7 +107,7 @@ def entity_groups(lines):
 FORMATS = {"2.2": format_2, "4.1": format_4}
 
 
-def named(elements, names, path):
+def named(elements: Any, names: dict[tuple[int, int], str], path: Path) -> dict[int, list[tuple[str, list[int]]]]:
     """kind → (name, corners) of its elements."""
     found = {LINE: [], TRIANGLE: []}
     for kind, groups, entity, corners in elements:
@@ -117,7 +124,7 @@ def named(elements, names, path):
     return {kind: [(name or f"{KINDS[kind]}{tag}", corners) for name, tag, corners in rows] for kind, rows in found.items()}
 
 
-def netgen_mesh(points, elements, path):
+def netgen_mesh(points: dict[int, tuple[float, ...]], elements: Any, path: Path) -> ngm.Mesh:
     """The mesh of points by tags and named elements; the body lies to the left of its boundary."""
     triangles = [(name, counterclockwise(corners, points)) for name, corners in elements[TRIANGLE]]
     edges = Counter((a, b) for _, c in triangles for a, b in zip(c, c[1:] + c[:1]))
@@ -138,18 +145,18 @@ def netgen_mesh(points, elements, path):
         mesh.SetBCName(i, name)
     for name, corners in triangles:
         mesh.Add(ngm.Element2D(regions.index(name) + 1, [number[tag] for tag in corners]))
-    for name, corners in lines:
-        mesh.Add(ngm.Element1D([number[tag] for tag in corners], index=boundaries.index(name) + 1))
+    for name, edge in lines:
+        mesh.Add(ngm.Element1D([number[tag] for tag in edge], index=boundaries.index(name) + 1))
     return mesh
 
 
-def counterclockwise(corners, points):
+def counterclockwise(corners: Sequence[int], points: dict[int, tuple[float, ...]]) -> list[int]:
     """Three corners of a triangle in this order."""
     a, b, c = (np.array(points[tag]) for tag in corners)
     return list(corners) if (b - a)[0] * (c - a)[1] > (b - a)[1] * (c - a)[0] else list(corners)[::-1]
 
 
-def check_edges(edges, points, path):
+def check_edges(edges: Counter[tuple[int, int]], points: dict[int, tuple[float, ...]], path: Path) -> None:
     """Raises UnreadableFile for triangles that overlap or do not lie in the plane."""
     if any(count > 1 for count in edges.values()):
         raise UnreadableFile(f"{path} has triangles twice; leave each surface in one physical group")
@@ -157,7 +164,7 @@ def check_edges(edges, points, path):
         raise UnreadableFile(f"{path}: the triangles do not lie in a plane z = constant")
 
 
-def directed(corners, edges, path):
+def directed(corners: Sequence[int], edges: Counter[tuple[int, int]], path: Path) -> tuple[int, ...]:
     """The ends of an element of a curve, the body to the left."""
     for edge in (tuple(corners), tuple(corners)[::-1]):
         if edge in edges:

@@ -1,8 +1,11 @@
 """A part: the problem that a TOML file describes, and the load steps that it asks for. docs/job.md is the grammar."""
 
+from __future__ import annotations
+
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from .._ngsxfem_contact import CrackedMesh
 from ..contact.load_steps import LoadSteps
@@ -36,8 +39,8 @@ class Part:
     problem: ContactProblem
     factors: list[float] | None
     inverse: str | None
-    output: dict
-    reference: dict
+    output: dict[str, Any]
+    reference: dict[str, Any]
 
     def Solve(self) -> list[ContactSolution]:
         """The solution of each step. Raises as ContactProblem.Solve, RefusedPart where that raises ValueError: what is given cannot be meant."""
@@ -48,7 +51,7 @@ class Part:
             return [steps.Solve(factor) for factor in self.factors]
 
 
-def read_part(path, maxh=None) -> Part:
+def read_part(path: str | Path, maxh: float | None = None) -> Part:
     """The Part of a TOML file.
 
     maxh: in place of that of the file, whose mesh is a rectangle.
@@ -69,7 +72,7 @@ def read_part(path, maxh=None) -> Part:
     return Part(path, values.get("title", path.stem), problem, solve.get("factors"), solve.get("inverse"), output, reference)
 
 
-def read_toml(path):
+def read_toml(path: Path) -> dict[str, Any]:
     """The file as a dictionary."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
@@ -77,7 +80,7 @@ def read_toml(path):
         raise RefusedPart(f"{path} is no TOML file: {error}") from None
 
 
-def problem_of(one, many, values):
+def problem_of(one: dict[str, Table], many: dict[str, list[Table]], values: dict[str, Any]) -> ContactProblem:
     """The ContactProblem of the tables."""
     for name in ("material", "crack"):
         if not many[name]:
@@ -103,7 +106,7 @@ def problem_of(one, many, values):
     return problem
 
 
-def output_of(table):
+def output_of(table: Table) -> dict[str, Any]:
     """[output]."""
     values = table.Take({"folder": text, "points": whole, "vtk": boolean, "pictures": boolean})
     if not 2 <= values.get("points", 2) <= 1_000_000:
@@ -111,7 +114,7 @@ def output_of(table):
     return values
 
 
-def reference_of(table):
+def reference_of(table: Table) -> dict[str, Any]:
     """[reference]."""
     rows = array(array(number, ROWS, 0), ROWS)
     return table.Take({"from": text, "energy": number, "contact_force": array(number, "a list of numbers, one for each crack"), "transitions": rows, "K": rows})

@@ -1,17 +1,27 @@
 """What is written about the solutions of a part: numbers, profiles, VTK, pictures. Each file appears when it is whole."""
 
+from __future__ import annotations
+
 import csv
 import json
 from dataclasses import fields
+from typing import TYPE_CHECKING, Any
 
 from ..contact.solution import CrackProfile
 from ..files import write_whole
 from ..pictures.plotting import plot_body, plot_profile, pyplot
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from ..contact.solution import ContactSolution
+    from .part import Part
+
 FACTOR_KEYS = ("K_I", "K_II", "error", "method", "G", "note")
 
 
-def numbers_of(part, solutions):
+def numbers_of(part: Part, solutions: list[ContactSolution]) -> dict[str, Any]:
     """All numbers of the solutions of a Part, for JSON."""
     problem = part.problem
     return {
@@ -24,7 +34,7 @@ def numbers_of(part, solutions):
     }
 
 
-def numbers_of_step(solution):
+def numbers_of_step(solution: ContactSolution) -> dict[str, Any]:
     """Those of one solution."""
     report, cracks = solution.report, range(len(solution.body.cracks))
     return {
@@ -51,7 +61,7 @@ def numbers_of_step(solution):
     }
 
 
-def factors_of(solution, tip):
+def factors_of(solution: ContactSolution, tip: int) -> dict[str, Any]:
     """K and G at a tip by domain integrals; where their disks have no room K from the modes; None, and why, where there is neither."""
     found = dict.fromkeys(FACTOR_KEYS)
     try:
@@ -64,7 +74,7 @@ def factors_of(solution, tip):
     return found
 
 
-def factors_from_modes(solution, tip):
+def factors_from_modes(solution: ContactSolution, tip: int) -> dict[str, Any]:
     """K from the coefficients of the modes; nothing where the space has none."""
     try:
         return factors_by(solution, tip, "modes")
@@ -72,7 +82,7 @@ def factors_from_modes(solution, tip):
         return {}
 
 
-def factors_by(solution, tip, method):
+def factors_by(solution: ContactSolution, tip: int, method: str) -> dict[str, Any]:
     """K by one method."""
     K = solution.StressIntensity(tip, method)
     return {"K_I": K.K_I, "K_II": K.K_II, "error": None if K.error != K.error else K.error, "method": method}
@@ -81,7 +91,7 @@ def factors_by(solution, tip, method):
 # For people
 
 
-def summary(numbers, solutions):
+def summary(numbers: dict[str, Any], solutions: list[ContactSolution]) -> str:
     """The numbers as text, beside the reference where there is one."""
     lines = [f"{numbers['title']}: {numbers['triangles']} triangles, {numbers['unknowns'][0]} + {numbers['unknowns'][1]} unknowns"]
     for step, solution in zip(numbers["steps"], solutions, strict=True):
@@ -92,7 +102,7 @@ def summary(numbers, solutions):
     return "\n".join(lines) + "\n"
 
 
-def table(step, reference):
+def table(step: dict[str, Any], reference: dict[str, Any]) -> Iterator[str]:
     """Lines of what was computed, and of what is known."""
     yield f"  {'':34}{'computed':>16}" + (f"   reference ({reference.get('from', 'of the file')})" if reference else "")
     for name, value, exact in rows(step, reference):
@@ -102,7 +112,7 @@ def table(step, reference):
             yield f"  tip {tip}: {found['note']}"
 
 
-def rows(step, reference):
+def rows(step: dict[str, Any], reference: dict[str, Any]) -> Iterator[tuple[str, float, float | None]]:
     """(name, computed, reference or None)."""
     yield "energy ½a(u,u)", step["energy"], reference.get("energy")
     for number, crack in enumerate(step["cracks"]):
@@ -119,7 +129,7 @@ def rows(step, reference):
         yield f"G{where}", tip["G"], None
 
 
-def entry(reference, key, *indices):
+def entry(reference: dict[str, Any], key: str, *indices: int) -> Any:
     """A number of a reference, or None where it has none."""
     value = reference.get(key)
     for i in indices:
@@ -130,7 +140,7 @@ def entry(reference, key, *indices):
 # Files
 
 
-def write_results(part, solutions, numbers, text, folder, pictures):
+def write_results(part: Part, solutions: list[ContactSolution], numbers: dict[str, Any], text: str, folder: Path, pictures: bool) -> Iterator[Any]:
     """Writes all files; yields their paths.
 
     numbers, text: `numbers_of` and `summary` of the solutions.    pictures: whether body.png and profile.png are among the files.
@@ -147,7 +157,7 @@ def write_results(part, solutions, numbers, text, folder, pictures):
         yield from write_pictures(solutions[-1], folder)
 
 
-def write_profiles(path, part, solutions):
+def write_profiles(path: Path, part: Part, solutions: list[ContactSolution]) -> None:
     """One row for each point of each crack in each step."""
     options = {"n": part.output["points"]} if "points" in part.output else {}
     with open(path, "w", newline="", encoding="utf-8") as file:
@@ -159,7 +169,7 @@ def write_profiles(path, part, solutions):
                 writer.writerows([factor, crack, *row] for row in zip(*(getattr(profile, field.name).tolist() for field in fields(profile))))
 
 
-def write_pictures(solution, folder):
+def write_pictures(solution: ContactSolution, folder: Path) -> Iterator[Any]:
     """body.png and profile.png, of each crack where there are several."""
     plt = pyplot()
     figure, ax = plt.subplots(figsize=(6.5, 6), layout="constrained")
@@ -172,7 +182,7 @@ def write_pictures(solution, folder):
         yield save(figure, folder / (f"profile_{crack}.png" if cracks > 1 else "profile.png"))
 
 
-def save(figure, path):
+def save(figure: Any, path: Path) -> Path:
     """Writes a figure and forgets it."""
     write_whole(path, lambda temporary: figure.savefig(temporary, dpi=150))
     pyplot().close(figure)
