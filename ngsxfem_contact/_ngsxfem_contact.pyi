@@ -44,6 +44,19 @@ __all__: list[str] = [
     "Variation",
 ]
 
+class _Enumeration:
+    """What all enumerations have, for the reader of types: each derives from object."""
+
+    __members__: typing.ClassVar[dict[str, typing.Any]]
+
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     """
     A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).
@@ -81,7 +94,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
 
-class Side:
+class Side(_Enumeration):
     """
     The side of a crack: Plus to the left of its direction of travel, Minus to the right.
 
@@ -94,15 +107,6 @@ class Side:
 
     Minus: typing.ClassVar[Side]
     Plus: typing.ClassVar[Side]
-    __members__: typing.ClassVar[dict[str, Side]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class Crack:
     """
@@ -248,7 +252,7 @@ class Crack:
         H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.
         """
 
-class ElementKind:
+class ElementKind(_Enumeration):
     """
     How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.
 
@@ -267,15 +271,6 @@ class ElementKind:
     Cut: typing.ClassVar[ElementKind]
     Tip: typing.ClassVar[ElementKind]
     Uncut: typing.ClassVar[ElementKind]
-    __members__: typing.ClassVar[dict[str, ElementKind]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class Degeneracy:
     """
@@ -441,7 +436,7 @@ class ElementPart:
         With respect to each of the element's cracks.
         """
 
-class EndKind:
+class EndKind(_Enumeration):
     """
     An end of a crack: a Tip inside the body or a Mouth on its boundary.
 
@@ -454,15 +449,6 @@ class EndKind:
 
     Mouth: typing.ClassVar[EndKind]
     Tip: typing.ClassVar[EndKind]
-    __members__: typing.ClassVar[dict[str, EndKind]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class CrackEnd:
     """
@@ -677,7 +663,7 @@ class CrackedMesh:
         The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.
         """
 
-class CutOff:
+class CutOff(_Enumeration):
     """
     The cut-off χ of the tip functions: cubic is C¹, quintic C².
 
@@ -688,19 +674,10 @@ class CutOff:
       quintic
     """
 
-    __members__: typing.ClassVar[dict[str, CutOff]]
     cubic: typing.ClassVar[CutOff]
     quintic: typing.ClassVar[CutOff]
 
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
-
-class TipBasis:
+class TipBasis(_Enumeration):
     """
     The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.
 
@@ -711,17 +688,8 @@ class TipBasis:
       modes
     """
 
-    __members__: typing.ClassVar[dict[str, TipBasis]]
     branch: typing.ClassVar[TipBasis]
     modes: typing.ClassVar[TipBasis]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class TipSpec:
     """
@@ -914,7 +882,7 @@ class MeshTraceBasis(TraceBasis):
         self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
 
-class Domain:
+class Domain(_Enumeration):
     """
     What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.
 
@@ -930,15 +898,6 @@ class Domain:
     Bulk: typing.ClassVar[Domain]
     Crack: typing.ClassVar[Domain]
     Larger: typing.ClassVar[Domain]
-    __members__: typing.ClassVar[dict[str, Domain]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
 
 class FormTerm:
     """
