@@ -44,19 +44,6 @@ __all__: list[str] = [
     "Variation",
 ]
 
-class _Enumeration:
-    """What all enumerations have, for the reader of types: each derives from object."""
-
-    __members__: typing.ClassVar[dict[str, typing.Any]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
-
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     """
     A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).
@@ -94,6 +81,15 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
 
+class _Enumeration:
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
 class Side(_Enumeration):
     """
     The side of a crack: Plus to the left of its direction of travel, Minus to the right.
@@ -107,6 +103,7 @@ class Side(_Enumeration):
 
     Minus: typing.ClassVar[Side]
     Plus: typing.ClassVar[Side]
+    __members__: typing.ClassVar[dict[str, Side]]
 
 class Crack:
     """
@@ -271,6 +268,7 @@ class ElementKind(_Enumeration):
     Cut: typing.ClassVar[ElementKind]
     Tip: typing.ClassVar[ElementKind]
     Uncut: typing.ClassVar[ElementKind]
+    __members__: typing.ClassVar[dict[str, ElementKind]]
 
 class Degeneracy:
     """
@@ -449,6 +447,7 @@ class EndKind(_Enumeration):
 
     Mouth: typing.ClassVar[EndKind]
     Tip: typing.ClassVar[EndKind]
+    __members__: typing.ClassVar[dict[str, EndKind]]
 
 class CrackEnd:
     """
@@ -674,6 +673,7 @@ class CutOff(_Enumeration):
       quintic
     """
 
+    __members__: typing.ClassVar[dict[str, CutOff]]
     cubic: typing.ClassVar[CutOff]
     quintic: typing.ClassVar[CutOff]
 
@@ -688,6 +688,7 @@ class TipBasis(_Enumeration):
       modes
     """
 
+    __members__: typing.ClassVar[dict[str, TipBasis]]
     branch: typing.ClassVar[TipBasis]
     modes: typing.ClassVar[TipBasis]
 
@@ -898,6 +899,7 @@ class Domain(_Enumeration):
     Bulk: typing.ClassVar[Domain]
     Crack: typing.ClassVar[Domain]
     Larger: typing.ClassVar[Domain]
+    __members__: typing.ClassVar[dict[str, Domain]]
 
 class FormTerm:
     """
