@@ -22,41 +22,30 @@ TYPES = {
 LEFT_OUT = {"__getstate__", "__setstate__", "__flags_doc__", "__eq__", "__ne__", "__hash__", "__str__", "__repr__"}  # those of every object
 
 
-ENUMERATION = ast.parse(
-    '''
-class _Enumeration:
-    """What all enumerations have, for the reader of types: each derives from object."""
-    __members__: typing.ClassVar[dict[str, typing.Any]]
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
-'''
-).body[0]
+OF_ENUMERATIONS = {"__index__", "__init__", "__int__", "name", "value"}
+
+
+def is_enumeration(node):
+    return isinstance(node, ast.ClassDef) and any(isinstance(s, ast.AnnAssign) and s.target.id == "__members__" for s in node.body)
 
 
 class Shortened(ast.NodeTransformer):
-    """Without what every Python object has, and what every enumeration has in one class."""
+    """Without what every Python object has; what every enumeration has in one class, for the reader of types: each derives from object."""
 
     def visit_FunctionDef(self, node):
         return None if node.name in LEFT_OUT else node
 
     def visit_ClassDef(self, node):
-        named = lambda statement: getattr(statement, "name", None) or getattr(getattr(statement, "target", None), "id", None)
-        shared = {named(statement) for statement in ENUMERATION.body if named(statement)}
-        if "__members__" in map(named, node.body) and node.name != ENUMERATION.name:
-            node.bases = [ast.Name(ENUMERATION.name)]
-            node.body = [statement for statement in node.body if named(statement) not in shared]
+        if is_enumeration(node):
+            node.bases, node.body = [ast.Name("_Enumeration")], [s for s in node.body if getattr(s, "name", None) not in OF_ENUMERATIONS]
         return self.generic_visit(node)
 
     def visit_Module(self, node):
-        first = next(i for i, statement in enumerate(node.body) if isinstance(statement, ast.ClassDef))
-        if node.body[first].name != ENUMERATION.name:
-            node.body.insert(first, ENUMERATION)
-        return self.generic_visit(node)
+        first = next(statement for statement in node.body if is_enumeration(statement))
+        shared = [statement for statement in first.body if getattr(statement, "name", None) in OF_ENUMERATIONS]
+        node = self.generic_visit(node)
+        node.body.insert(node.body.index(first), ast.ClassDef("_Enumeration", [], [], shared, []))
+        return node
 
 
 def generated():

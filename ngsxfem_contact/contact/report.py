@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from ..algebra.nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 logger = logging.getLogger(__name__)
 
 if TYPE_CHECKING:

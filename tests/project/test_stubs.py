@@ -49,7 +49,7 @@ def test_members(name):
     described = {node.name for node in CLASSES[name].body if isinstance(node, ast.FunctionDef)}
     described |= {node.target.id for node in CLASSES[name].body if isinstance(node, ast.AnnAssign)}
     if [base.id for base in CLASSES[name].bases if isinstance(base, ast.Name)] == ["_Enumeration"]:
-        described |= {"__members__", "__index__", "__init__", "__int__", "name", "value"}
+        described |= {"__index__", "__init__", "__int__", "name", "value"}
     assert described == members - ({"__init__"} - described)
 
 
