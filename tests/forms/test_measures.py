@@ -3,7 +3,7 @@
 import ngsolve
 import numpy as np
 import pytest
-from helpers import array, matrix, random_function, rectangle, structured, vector
+from helpers import array, matrix, random_function, rectangle, structured, threads, vector
 from ngsolve import (
     CF,
     H1,
@@ -14,7 +14,6 @@ from ngsolve import (
     Integrate,
     LinearForm,
     Mesh,
-    TaskManager,
     ds,
     dx,
     sin,
@@ -181,7 +180,7 @@ def test_nonlinear_forms():
 
 def test_threads_integrate_alike():
     alone = Integrate(sin(9 * x) * y * BODY.dx, MESH), Integrate(sin(9 * x) * BODY.dcrack, MESH)
-    with TaskManager():
+    with threads():
         assert Integrate(sin(9 * x) * y * BODY.dx, MESH) == pytest.approx(alone[0], rel=1e-13)
         assert Integrate(sin(9 * x) * BODY.dcrack, MESH) == pytest.approx(alone[1], rel=1e-13)
 
