@@ -1,6 +1,7 @@
-"""`python -m pytest` puts the source tree first on the path; test what is installed instead, and find `study`, which is not, after it.
+"""`python -m pytest` puts the source tree first on the path; test what is installed instead, and find what lies beside the package after it.
 
-The processes of `-n` share the cores among them: one thread each for BLAS, whose threads would fight for them.
+One thread each for NGSolve and BLAS: these problems are too small to gain from more, and the processes of `-n` would fight for the cores.
+`helpers.threads` is for tests of threads.
 """
 
 import os
@@ -13,5 +14,5 @@ if ROOT in sys.path:
     sys.path.remove(ROOT)
 sys.path.append(ROOT)
 
-if "PYTEST_XDIST_WORKER" in os.environ:
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
+for threads in ("NGS_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(threads, "1")

@@ -1,13 +1,28 @@
 """Small meshes, brute-force geometry and linear algebra that the tests share."""
 
+from contextlib import contextmanager
+
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Mesh
+from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Mesh, SetNumThreads, TaskManager
 from ngsolve.meshes import MakeStructured2DMesh
+from pyngcore import GetNumThreads
 from scipy.sparse import csr_matrix
 
 from ngsxfem_contact import ContactProblem, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
+
+
+@contextmanager
+def threads(number=2):
+    """NGSolve works with so many threads while the block runs, whatever the machine has; else the tests run with one."""
+    SetNumThreads(number)
+    try:
+        with TaskManager():
+            assert GetNumThreads() == number
+            yield
+    finally:
+        SetNumThreads(1)
 
 
 def rectangle(maxh, lower=(0, 0), upper=(1, 1)):

@@ -13,4 +13,5 @@ cmake -S "$root" -B "$out/build" -G Ninja -DPython3_EXECUTABLE="$python" "$@" > 
 ninja -C "$out/build"
 cmake --install "$out/build" --prefix "$out/package" > /dev/null
 # Another copy that goes before PYTHONPATH would be tested in its place, and found clean.
-PYTHONPATH=$out/package "$python" -c "from importlib.util import find_spec as spec; print(spec('ngsxfem_contact').origin)" | grep "^$out/"
+cd "$out"
+PYTHONPATH=$out/package "$python" -c "from importlib.util import find_spec; print(find_spec('ngsxfem_contact').origin)" | grep "^$out/"

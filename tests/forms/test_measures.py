@@ -3,8 +3,8 @@
 import ngsolve
 import numpy as np
 import pytest
-from helpers import array, matrix, random_function, rectangle, structured, vector
-from ngsolve import CF, H1, BilinearForm, BitArray, Grad, InnerProduct, Integrate, LinearForm, Mesh, TaskManager, ds, dx, sin, x, y  # fmt: skip
+from helpers import array, matrix, random_function, rectangle, structured, threads, vector
+from ngsolve import CF, H1, BilinearForm, BitArray, Grad, InnerProduct, Integrate, LinearForm, Mesh, ds, dx, sin, x, y  # fmt: skip
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, TipEnrichment, TraceSpace, Variation
 from ngsxfem_contact.geometry import Side
@@ -166,7 +166,7 @@ def test_nonlinear_forms():
 
 def test_threads_integrate_alike():
     alone = Integrate(sin(9 * x) * y * BODY.dx, MESH), Integrate(sin(9 * x) * BODY.dcrack, MESH)
-    with TaskManager():
+    with threads():
         assert Integrate(sin(9 * x) * y * BODY.dx, MESH) == pytest.approx(alone[0], rel=1e-13)
         assert Integrate(sin(9 * x) * BODY.dcrack, MESH) == pytest.approx(alone[1], rel=1e-13)
 

@@ -231,7 +231,7 @@ def test_two_sides_that_agree_but_for_their_projections():
     u = CF((0.1 * sqrt(1 + 3 * x + y * y), IfPos(y - x - 0.2, 0.1 * (y - x - 0.2), 0) ** 2))
     for side in ("left", "bottom", "right", "top"):
         p.SetDirichlet(u, side)
-    p.Solve()
+    assert p.Solve().report.converged
 
 
 def test_load_steps_replace_what_was_given():

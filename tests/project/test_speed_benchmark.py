@@ -35,7 +35,7 @@ def test_every_case_has_every_time(result):
 
 def test_memory_and_getfem(result):
     assert [(m["body"], m["pair"]) for m in result["memory"]] == [("edge", "P2/P1"), ("interior", "P2/P1")]
-    assert all(m[which]["peak"] > 1e7 and m[which]["growth"] >= 0 for m in result["memory"] for which in ("contact", "plain"))
+    assert all(m[which]["peak"] > max(1e7, m[which]["growth"]) for m in result["memory"] for which in ("contact", "plain"))
     (getfem,) = result["getfem"]
     assert getfem.get("seconds", 0) > 0 or "apt-get" in getfem["absent"]
 

@@ -4,8 +4,8 @@ import pickle
 
 import numpy as np
 import pytest
-from helpers import array, basis_function, left_normal, matrix, on_crack, random_function, rectangle, structured, to_scipy, vector
-from ngsolve import CF, H1, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, TaskManager, VoxelCoefficient, x, y  # fmt: skip
+from helpers import array, basis_function, left_normal, matrix, on_crack, random_function, rectangle, structured, threads, to_scipy, vector
+from ngsolve import CF, H1, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, VoxelCoefficient, x, y  # fmt: skip
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, Strain, TipEnrichment
 from ngsxfem_contact import _ngsxfem_contact as core
@@ -417,7 +417,7 @@ def test_two_threads_assemble_the_same_matrix():
     u, v = V.TnT()
     form = InnerProduct(Strain(u), Strain(v)) * BODY.dx + Jump(u) * Jump(v) * BODY.dcrack
     alone = matrix(form)
-    with TaskManager():
+    with threads():
         together = matrix(form)
         load = vector(CF((x, y)) * v * BODY.dx)
     assert abs(alone - together).max() < 1e-14 * abs(alone).max()
@@ -441,7 +441,7 @@ def test_crack_bilinear_form_has_the_matrix_of_the_bilinear_form(points, tip, fl
         forms = [F(V, **flags) for F in (BilinearForm, core.CrackBilinearForm)]
         for form in forms:
             form += integrand * body.dx + Jump(u) * Jump(v) * body.dcrack
-            with TaskManager():
+            with threads():
                 form.Assemble()
             form.Assemble()
         plain, crack = (to_scipy(form.mat) for form in forms)

@@ -4,8 +4,8 @@ import pickle
 
 import numpy as np
 import pytest
-from helpers import array, matrix, on_crack, random_function, rectangle, structured
-from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Integrate, LinearForm, TaskManager, x, y
+from helpers import array, matrix, on_crack, random_function, rectangle, structured, threads
+from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, Integrate, LinearForm, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Jump, TraceSpace
 
@@ -150,7 +150,7 @@ def test_coupling_with_displacements():
     dcrack = BODY.dcrack(bonus_intorder=2)
     form = BilinearForm(trialspace=V, testspace=W)
     form += mu * InnerProduct(Jump(u), BODY.normal) * dcrack
-    with TaskManager():
+    with threads():
         form.Assemble()
     value = InnerProduct((form.mat * w.vec).Evaluate(), lam.vec)
     assert value == pytest.approx(Integrate(lam * InnerProduct(Jump(w), BODY.normal) * dcrack, MESH), rel=1e-11)
