@@ -1,15 +1,11 @@
 """Sphinx: `make docs`."""
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))
-
-import docstrings  # noqa: E402
+import inspect
+import re
 
 project = "ngsxfem_contact"
 copyright = "the ngsxfem_contact developers, LGPL-3.0-or-later"
-extensions = ["myst_nb", "sphinx.ext.autodoc"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["tutorials/.ipynb_checkpoints"]
 html_theme = "furo"
 html_title = project
@@ -25,8 +21,48 @@ suppress_warnings = ["mystnb.unknown_mime_type"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autodoc_default_options = {"members": True, "exclude-members": "name, value"}
+default_role = "code"
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+
+LONG = {  # pybind11's names of types: what one would write
+    r"(?:\w+\.)+(?=[A-Z])": "",
+    r"SupportsInt( \| SupportsIndex)?": "int",
+    r"SupportsFloat( \| SupportsIndex)?": "float",
+    r"Annotated\[(.*), .FixedSize\(\d\).\]": r"\1",
+    r"collections\.abc\.": "",
+}
+
+
+def short_signature(app, what, name, obj, options, signature, returned):
+    """Without self, and with short types."""
+    if not signature:
+        return None
+    short = [re.sub(r"self: [\w.]+(, )?", "", signature), returned or ""]
+    for long, name in LONG.items():
+        short = [re.sub(long, name, text) for text in short]
+    return short[0], short[1] or None
+
+
+def escaped(text):
+    """|x| is a norm or an absolute value, no substitution."""
+    code = re.compile(r"(`[^`]*`|^ *>>>.*$|^ *::\n\n(?:(?: {4}.*)?(?:\n|\Z))+)", re.MULTILINE)
+    return "".join(part if code.fullmatch(part) else part.replace("|", r"\|") for part in code.split(text))
+
+
+def as_written(app, what, name, obj, options, lines):
+    """Before napoleon: without the list that pybind11 adds to an enumeration."""
+    lines[:] = escaped(re.sub(r"\n(?:Members:|__init__\().*", "", "\n".join(lines), flags=re.DOTALL)).split("\n")
+
+
+def sentence_of_property(app, what, name, obj, options, lines):
+    """After napoleon, which takes what stands before a colon for a type."""
+    if what == "property":
+        lines[:] = escaped(inspect.getdoc(obj) or "").split("\n")
 
 
 def setup(app):
-    app.connect("autodoc-process-docstring", docstrings.as_restructured_text)
-    app.connect("autodoc-process-signature", docstrings.short_signature)
+    app.connect("autodoc-process-docstring", as_written, priority=400)
+    app.connect("autodoc-process-docstring", sentence_of_property, priority=600)
+    app.connect("autodoc-process-signature", short_signature)

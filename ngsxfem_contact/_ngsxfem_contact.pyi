@@ -73,10 +73,26 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         """
         The same measure, restricted or refined.
 
-        definedon: a Region, or the name (a regular expression) of materials for dx, of boundaries for ds.    bonus_intorder: added to the order of the rules.
-        definedonelements: BitArray of elements.    crack: number of the only crack.    nodes: arc lengths at which rules on the cracks are divided, one
-        list for each crack.    space: a CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules
-        always serve the spaces whose functions, trial or test functions are part of an integrand.    Raises an Exception for a region that the mesh does not have.
+        Parameters
+        ----------
+        definedon
+            A Region, or the name (a regular expression) of materials for dx, of boundaries for ds.
+        bonus_intorder
+            Added to the order of the rules.
+        definedonelements
+            BitArray of elements.
+        crack
+            Number of the only crack.
+        nodes
+            Arc lengths at which rules on the cracks are divided, one list for each crack.
+        space
+            A CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules always serve the spaces whose
+            functions, trial or test functions are part of an integrand.
+
+        Raises
+        ------
+        Exception
+            For a region that the mesh does not have.
         """
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
@@ -109,10 +125,19 @@ class Crack:
     An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the
     minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.
 
-    points: the corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves,
-    Crack.Join one crack of several.
-    Raises an Exception for coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.
+    Parameters
+    ----------
+    points
+        The corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves, Crack.Join one crack of
+        several.
 
+    Raises
+    ------
+    Exception
+        For coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.
+
+    Examples
+    --------
     >>> crack = Crack([(0, 0), (3, 4)])
     >>> crack.length, crack.points
     (5.0, [(0.0, 0.0), (3.0, 4.0)])
@@ -131,10 +156,28 @@ class Crack:
         """
         The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
-            function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
-            tolerance: the energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a
-                smaller one costs pieces, tolerance^(-1/4).
-            Raises ValueError if max_pieces pieces do not reach the tolerance.
+            Parameters
+            ----------
+            function
+                Of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
+            t0 : float
+                Where the curve begins.
+            t1 : float
+                Where it ends.
+            tolerance
+                The energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a smaller one costs
+                pieces, tolerance^(-1/4).
+            max_pieces : int
+                The largest number of cubics.
+
+            Returns
+            -------
+            Crack
+
+            Raises
+            ------
+            ValueError
+                If max_pieces pieces do not reach the tolerance.
 
         """
 
@@ -149,12 +192,32 @@ class Crack:
         """
         The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
-            The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
-            through some of them deviates from φ = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below
-            what they resolve. Straight ones become segments.
-            The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
-            Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
-            zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
+            The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline through some of them deviates from φ
+            = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below what they resolve. Straight ones become
+            segments. The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
+
+            Parameters
+            ----------
+            mesh : Mesh
+                Of NGSolve.
+            phi : CoefficientFunction or GridFunction
+                φ, zero on the crack.
+            psi : CoefficientFunction or GridFunction
+                ψ, negative on the crack; None: the crack goes on to ∂Ω.
+            tolerance : float
+                Relative to the length; default 1e-6 of the size of the elements that the crack meets.
+            max_points : int
+                The largest number of points of the spline.
+
+            Returns
+            -------
+            Crack
+
+            Raises
+            ------
+            ValueError
+                If there is no or more than one branch, a closed one, or if the tolerance is not reached: zero sets of P_k functions have kinks on the mesh's
+                edges, so ask for a tolerance that fits them.
 
         """
 
@@ -169,8 +232,23 @@ class Crack:
         """
         The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
 
-            ends: "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
-            Raises ValueError for repeated points, Exception for a curve that meets itself.
+            Parameters
+            ----------
+            points : (n, 2)
+                Two give a segment.
+            ends
+                "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
+
+            Returns
+            -------
+            Crack
+
+            Raises
+            ------
+            ValueError
+                For repeated points.
+            Exception
+                For a curve that meets itself.
 
         """
 
@@ -525,14 +603,26 @@ class CrackedMesh:
     """
     A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
 
-    mesh: of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards:
-    all that is built on the body is refused then; build a new CrackedMesh. What is built on a body does not change it.
+    Parameters
+    ----------
+    mesh
+        Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the
+        body is refused then; build a new CrackedMesh. What is built on a body does not change it.
+    *cracks
+        The Cracks, one by one.
+
+    Raises
+    ------
+    Exception
+        For a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that
+        meet each other, or an element without a strip between them (3 % of its size).
+
+    Notes
+    -----
     An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:
-    `notes` and the report of a solve say so.
-    Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the
-    larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds("left|right").
-    Raises an Exception for a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that meet
-    each other, or an element without a strip between them (3 % of its size).
+    `notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a
+    mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:
+    body.ds("left|right").
     """
 
     def CheckMesh(self) -> None:
@@ -548,7 +638,11 @@ class CrackedMesh:
     def CrackInTriangle(self, element: int, crack: int) -> Crack:
         """
         The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle.
-        Raises an Exception if the crack does not meet the element.
+
+        Raises
+        ------
+        Exception
+            If the crack does not meet the element.
         """
 
     def CracksOf(self, element: int) -> list[int]:
@@ -563,7 +657,7 @@ class CrackedMesh:
 
     def CutBoundaryPoints(self, crack: int) -> list[tuple[int, tuple[float, float]]]:
         """
-        The same with the points (x, y) at which it cuts them: a list of (number, point).
+        The boundary elements that a crack cuts, with the points (x, y) at which it cuts them: a list of (number, point).
         """
 
     def Elements(self, crack: int) -> list[ElementLocation]:
@@ -790,7 +884,12 @@ class CrackFESpace(ngsolve.comp.FESpace):
 
     def SetTipMaterial(self, tip: int, kappa: float, mu: float) -> None:
         """
-        Gives the modes at a tip another material: unknowns and rules stay what they are. Raises an Exception where there are no functions.
+        Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are.
+
+        Raises
+        ------
+        Exception
+            Where there are no functions.
         """
 
     def TipDofs(self, tip: int) -> list[int]:
@@ -887,7 +986,11 @@ class TraceBasis:
 class NodalTraceBasis(TraceBasis):
     """
     Lagrange functions between nodes: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.
-    Raises an Exception for nodes that do not increase from 0 to the length of each crack.
+
+    Raises
+    ------
+    Exception
+        For nodes that do not increase from 0 to the length of each crack.
     """
 
     def DofPositions(self, crack: int) -> list[float]:

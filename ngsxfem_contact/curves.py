@@ -37,8 +37,23 @@ def checked(points, name):
 def spline(points, ends="not-a-knot"):
     """The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
 
-    ends: "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
-    Raises ValueError for repeated points, Exception for a curve that meets itself.
+    Parameters
+    ----------
+    points : (n, 2)
+        Two give a segment.
+    ends
+        "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
+
+    Returns
+    -------
+    Crack
+
+    Raises
+    ------
+    ValueError
+        For repeated points.
+    Exception
+        For a curve that meets itself.
     """
     points = checked(points, "Crack.Spline")
     if ends not in ENDS:
@@ -55,10 +70,28 @@ def spline(points, ends="not-a-knot"):
 def curve(function, t0, t1, tolerance=1e-7, max_pieces=4096):
     """The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
-    function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
-    tolerance: the energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a
-        smaller one costs pieces, tolerance^(-1/4).
-    Raises ValueError if max_pieces pieces do not reach the tolerance.
+    Parameters
+    ----------
+    function
+        Of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
+    t0 : float
+        Where the curve begins.
+    t1 : float
+        Where it ends.
+    tolerance
+        The energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a smaller one costs
+        pieces, tolerance^(-1/4).
+    max_pieces : int
+        The largest number of cubics.
+
+    Returns
+    -------
+    Crack
+
+    Raises
+    ------
+    ValueError
+        If max_pieces pieces do not reach the tolerance.
     """
     check_type(function, Callable, "Crack.Curve: function", "a function of a number that returns two coordinates")
     check_number(t0, "Crack.Curve: t0")
@@ -86,7 +119,10 @@ class NotFitted(Exception):
 def fitted(at, t, tolerance, max_pieces):
     """The CubicSpline through points at(t) that deviates by less than the tolerance, its intervals, at first t, divided as often as that takes.
 
-    Raises NotFitted if that is more than max_pieces, or an interval shorter than that many equal ones.
+    Raises
+    ------
+    NotFitted
+        If that is more than max_pieces, or an interval shorter than that many equal ones.
     """
     shortest = (t[-1] - t[0]) / max_pieces
     while True:
@@ -105,12 +141,32 @@ def fitted(at, t, tolerance, max_pieces):
 def level_set(mesh, phi, psi=None, tolerance=None, max_points=4096):
     """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
-    The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
-    through some of them deviates from φ = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below
-    what they resolve. Straight ones become segments.
-    The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
-    Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
-    zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
+    The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline through some of them deviates from φ
+    = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below what they resolve. Straight ones become
+    segments. The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Of NGSolve.
+    phi : CoefficientFunction or GridFunction
+        φ, zero on the crack.
+    psi : CoefficientFunction or GridFunction
+        ψ, negative on the crack; None: the crack goes on to ∂Ω.
+    tolerance : float
+        Relative to the length; default 1e-6 of the size of the elements that the crack meets.
+    max_points : int
+        The largest number of points of the spline.
+
+    Returns
+    -------
+    Crack
+
+    Raises
+    ------
+    ValueError
+        If there is no or more than one branch, a closed one, or if the tolerance is not reached: zero sets of P_k functions have kinks on the mesh's
+        edges, so ask for a tolerance that fits them.
     """
     check_type(mesh, Mesh, "Crack.LevelSet: mesh", "a Mesh of NGSolve")
     if tolerance is not None:

@@ -18,9 +18,19 @@ class UnreadableFile(ValueError):
 def write_whole(path, write, end=b""):
     """Calls write(temporary path in the same folder) and moves the complete file to its place; returns the path.
 
-    end: what the file must end with, for writers that do not say when the disk is full.
-    Raises FileNotFoundError if the folder does not exist, IsADirectoryError if the path is one, OSError if the file could not be
-    written completely; then there is no new file, and an old one is left as it was.
+    Parameters
+    ----------
+    end
+        What the file must end with, for writers that do not say when the disk is full.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the folder does not exist.
+    IsADirectoryError
+        If the path is one.
+    OSError
+        If the file could not be written completely; then there is no new file, and an old one is left as it was.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"{path} cannot be written: there is no folder {path.parent}; create it first")

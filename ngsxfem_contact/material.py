@@ -25,7 +25,14 @@ FORMS = ("plane strain", "plane stress")
 class Isotropic(ABC):
     """σ = lam tr(ε) I + 2 mu ε for numbers or functions lam, mu.
 
-    nu: Poisson's ratio.    alpha: coefficient of thermal expansion, in 1 / temperature.    confined: 1 in plane strain (ε_zz = 0), 0 in plane stress.
+    Attributes
+    ----------
+    nu
+        Poisson's ratio.
+    alpha
+        Coefficient of thermal expansion, in 1 / temperature.
+    confined
+        1 in plane strain (ε_zz = 0), 0 in plane stress.
     """
 
     lam: float | CoefficientFunction
@@ -73,12 +80,28 @@ class Isotropic(ABC):
 class Elasticity(Isotropic):
     """σ = lam tr(ε) I + 2 mu ε, the stress in the unit of lam and mu.
 
-    lam, mu: the coefficients λ_L, μ_L of this law in the plane: Lamé's in plane strain; for plane stress use PlaneStress.
-    form: "plane strain" (ε_zz = 0, default) or "plane stress" (σ_zz = 0): what E, ν and σ_zz follow from.
-    alpha: coefficient of thermal expansion, for ContactProblem(..., temperature=ΔT).
-    Several materials in one body: Elasticity.ByRegion(mesh, {"steel": Elasticity(...), "rubber": Elasticity(...)}).
-    Raises TypeError for what is no number, ValueError for another form and unless mu > 0 and lam + mu > 0: the energy would not be positive.
+    Parameters
+    ----------
+    lam, mu
+        The coefficients λ_L, μ_L of this law in the plane: Lamé's in plane strain; for plane stress use PlaneStress.
+    form
+        "plane strain" (ε_zz = 0, default) or "plane stress" (σ_zz = 0): what E, ν and σ_zz follow from.
+    alpha
+        Coefficient of thermal expansion, for ContactProblem(..., temperature=ΔT).
 
+    Raises
+    ------
+    TypeError
+        For what is no number.
+    ValueError
+        For another form and unless mu > 0 and lam + mu > 0: the energy would not be positive.
+
+    Notes
+    -----
+    Several materials in one body: Elasticity.ByRegion(mesh, {"steel": Elasticity(...), "rubber": Elasticity(...)}).
+
+    Examples
+    --------
     >>> steel = Elasticity.PlaneStrain(E=210e3, nu=0.3)  # MPa
     >>> round(steel.lam), round(steel.mu), round(steel.kappa, 2)
     (121154, 80769, 1.8)
@@ -119,7 +142,23 @@ class Elasticity(Isotropic):
     def PlaneStrain(E, nu, alpha=0.0):
         """The material of a long body, ε_zz = 0: lam = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
 
-        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1/2.    alpha: thermal expansion.    Raises ValueError outside of these.
+        Parameters
+        ----------
+        E
+            Young's modulus, a stress > 0.
+        nu
+            Poisson's ratio, -1 < nu < 1/2.
+        alpha
+            Thermal expansion.
+
+        Returns
+        -------
+        Elasticity
+
+        Raises
+        ------
+        ValueError
+            Outside of these.
         """
         check_engineering_constants(E, nu, 0.5, "Elasticity.PlaneStrain")
         return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)), alpha=alpha)
@@ -128,7 +167,23 @@ class Elasticity(Isotropic):
     def PlaneStress(E, nu, alpha=0.0):
         """The material of a thin plate, σ_zz = 0: lam = E nu / (1 - nu²), mu = E / (2 (1 + nu)).
 
-        E: Young's modulus, a stress > 0.    nu: Poisson's ratio, -1 < nu < 1.    alpha: thermal expansion.    Raises ValueError outside of these.
+        Parameters
+        ----------
+        E
+            Young's modulus, a stress > 0.
+        nu
+            Poisson's ratio, -1 < nu < 1.
+        alpha
+            Thermal expansion.
+
+        Returns
+        -------
+        Elasticity
+
+        Raises
+        ------
+        ValueError
+            Outside of these.
         """
         check_engineering_constants(E, nu, 1, "Elasticity.PlaneStress")
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)), "plane stress", alpha)
@@ -137,21 +192,55 @@ class Elasticity(Isotropic):
     def ByRegion(mesh, materials):
         """A RegionElasticity: one Elasticity for each region (material) of the mesh.
 
-        mesh: of NGSolve.    materials: {name of a region, or a regular expression: Elasticity}.
-        Raises ValueError unless each region is matched by exactly one name, TypeError for other objects.
+        Parameters
+        ----------
+        mesh
+            Of NGSolve.
+        materials
+            {name of a region, or a regular expression: Elasticity}.
+
+        Returns
+        -------
+        RegionElasticity
+
+        Raises
+        ------
+        ValueError
+            Unless each region is matched by exactly one name.
+        TypeError
+            For other objects.
         """
         return RegionElasticity(mesh, materials)
 
     def At(self, mesh, point):
-        """The Elasticity at a point: this one."""
+        """The Elasticity at a point: this one.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            Of NGSolve.
+        point : (x, y)
+            Where.
+
+        Returns
+        -------
+        Elasticity
+        """
         return self
 
 
 class RegionElasticity(Isotropic):
     """Different materials in the regions of a mesh; lam, mu, nu, alpha and confined are CoefficientFunctions.
 
-    materials: {name of a region, or a regular expression: Elasticity}.
-    Raises ValueError unless each region of the mesh is matched by exactly one name, and each name matches a region.
+    Parameters
+    ----------
+    materials
+        {name of a region, or a regular expression: Elasticity}.
+
+    Raises
+    ------
+    ValueError
+        Unless each region of the mesh is matched by exactly one name, and each name matches a region.
     """
 
     def __init__(self, mesh, materials):

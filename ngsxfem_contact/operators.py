@@ -14,25 +14,73 @@ SIDES = ("plus", "minus", "larger")
 
 
 def Plus(u):
-    """The limit u⁺ on the crack, a vector with 2 components; u: trial function, test function or GridFunction of a CrackFESpace."""
+    """The limit u⁺ on the crack.
+
+    Parameters
+    ----------
+    u : trial function, test function or GridFunction
+        Of a CrackFESpace.
+
+    Returns
+    -------
+    CoefficientFunction
+        A vector with 2 components.
+    """
     return u.Operator("plus")
 
 
 def Minus(u):
-    """The limit u⁻ on the crack, a vector with 2 components; u as for Plus."""
+    """The limit u⁻ on the crack.
+
+    Parameters
+    ----------
+    u : trial function, test function or GridFunction
+        Of a CrackFESpace.
+
+    Returns
+    -------
+    CoefficientFunction
+        A vector with 2 components.
+    """
     return u.Operator("minus")
 
 
 def Jump(u):
-    """u⁺ - u⁻ on the crack, a vector with 2 components; u as for Plus."""
+    """The jump u⁺ - u⁻ on the crack.
+
+    Parameters
+    ----------
+    u : trial function, test function or GridFunction
+        Of a CrackFESpace.
+
+    Returns
+    -------
+    CoefficientFunction
+        A vector with 2 components.
+    """
     return u.Operator("jump")
 
 
 def Gradient(u, side=None):
     """The 2 × 2 matrix ∂_j u_i.
 
-    side: None (default), by the position of the point; on the crack "plus", "minus", or "larger": from the polynomial of the larger part of
-    the element, as in R_h of (12) of [AHLMR12].    Raises ValueError for another side.
+    Parameters
+    ----------
+    u : trial function, test function or GridFunction
+        Of a CrackFESpace.
+    side
+        None (default), by the position of the point; on the crack "plus", "minus", or "larger": from the polynomial of the larger part of the element, as
+        in R_h of (12) of [AHLMR12].
+
+    Returns
+    -------
+    CoefficientFunction
+        A 2 × 2 matrix.
+
+    Raises
+    ------
+    ValueError
+        For another side.
     """
     if side is None:
         return Grad(u)
@@ -42,27 +90,92 @@ def Gradient(u, side=None):
 
 
 def Strain(u, side=None):
-    """ε(u) = ½(∇u + ∇uᵀ), a 2 × 2 matrix; side as for Gradient."""
+    """ε(u) = ½(∇u + ∇uᵀ), a 2 × 2 matrix.
+
+    Parameters
+    ----------
+    u : trial function, test function or GridFunction
+        Of a CrackFESpace.
+    side : str or None
+        As for Gradient.
+
+    Returns
+    -------
+    CoefficientFunction
+        A 2 × 2 matrix.
+    """
     return Sym(Gradient(u, side))
 
 
 def NormalGap(u, body):
-    """g_n = jump(u)·n, in the user's unit of length; negative: interpenetration. body: CrackedMesh. [AHLMR12] writes -⟦u_n⟧."""
+    """The normal gap g_n = jump(u)·n; negative: interpenetration. [AHLMR12] writes -⟦u_n⟧.
+
+    Parameters
+    ----------
+    u : trial function, test function or GridFunction
+        Of a CrackFESpace.
+    body : CrackedMesh
+        The body of the cracks.
+
+    Returns
+    -------
+    CoefficientFunction
+        In the user's unit of length.
+    """
     return InnerProduct(Jump(u), body.normal)
 
 
 def Slip(u, body):
-    """g_t = jump(u)·t, in the user's unit of length: the plus side moves along t by g_t more than the minus side. body: CrackedMesh."""
+    """The slip g_t = jump(u)·t: the plus side moves along t by g_t more than the minus side.
+
+    Parameters
+    ----------
+    u : trial function, test function or GridFunction
+        Of a CrackFESpace.
+    body : CrackedMesh
+        The body of the cracks.
+
+    Returns
+    -------
+    CoefficientFunction
+        In the user's unit of length.
+    """
     return InnerProduct(Jump(u), body.tangent)
 
 
 def NormalStress(stress, body):
-    """σ_n = n·σn of a 2 × 2 stress on the crack, in its unit; ≤ 0 in compression. body: CrackedMesh."""
+    """σ_n = n·σn of a stress on the crack; ≤ 0 in compression.
+
+    Parameters
+    ----------
+    stress : CoefficientFunction
+        A 2 × 2 matrix.
+    body : CrackedMesh
+        The body of the cracks.
+
+    Returns
+    -------
+    CoefficientFunction
+        In the unit of the stress.
+    """
     return InnerProduct(stress * body.normal, body.normal)
 
 
 def TangentialStress(stress, body):
-    """σ_t = t·σn of a 2 × 2 stress on the crack, in its unit. body: CrackedMesh."""
+    """σ_t = t·σn of a stress on the crack.
+
+    Parameters
+    ----------
+    stress : CoefficientFunction
+        A 2 × 2 matrix.
+    body : CrackedMesh
+        The body of the cracks.
+
+    Returns
+    -------
+    CoefficientFunction
+        In the unit of the stress.
+    """
     return InnerProduct(stress * body.normal, body.tangent)
 
 

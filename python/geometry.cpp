@@ -39,11 +39,13 @@ static void ExportCrack (py::module & m)
   py::enum_<Side>(m, "Side", "The side of a crack: Plus to the left of its direction of travel, Minus to the right.").value("Minus", Side::Minus).value("Plus", Side::Plus);
   py::class_<Crack>(m, "Crack",
       "An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the\n"
-      "minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.\n\n"
-      "points: the corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves,\n"
-      "Crack.Join one crack of several.\n"
-      "Raises an Exception for coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.\n\n"
-      ">>> crack = Crack([(0, 0), (3, 4)])\n>>> crack.length, crack.points\n(5.0, [(0.0, 0.0), (3.0, 4.0)])\n>>> crack.SideOf((0, 1))\n<Side.Plus: 1>")
+      "minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.\n\nParameters\n"
+      "----------\npoints\n"
+      "    The corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves, Crack.Join one crack of\n"
+      "    several.\n\nRaises\n------\nException\n"
+      "    For coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.\n\n"
+      "Examples\n--------\n>>> crack = Crack([(0, 0), (3, 4)])\n>>> crack.length, crack.points\n"
+      "(5.0, [(0.0, 0.0), (3.0, 4.0)])\n>>> crack.SideOf((0, 1))\n<Side.Plus: 1>")
     .def(py::init(&ToCrack), py::arg("points"))
     .def_static("Arc", [] (Pair start, Pair through, Pair end) { return Crack({ MakeArc(ToPoint(start), ToPoint(through), ToPoint(end)) }); },
                 py::arg("start"), py::arg("through"), py::arg("end"),
@@ -180,15 +182,17 @@ static CutDifferentialSymbol LargerSymbol (shared_ptr<CrackedMesh> body)
 static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
-      "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n\n"
-      "mesh: of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards:\n"
-      "all that is built on the body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n"
+      "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n"
+      "\nParameters\n----------\nmesh\n"
+      "    Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the\n"
+      "    body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n*cracks\n"
+      "    The Cracks, one by one.\n\nRaises\n------\nException\n"
+      "    For a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that\n"
+      "    meet each other, or an element without a strip between them (3 % of its size).\n\nNotes\n-----\n"
       "An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:\n"
-      "`notes` and the report of a solve say so.\n"
-      "Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a mouth, dcrack the cracks, dlarger the\n"
-      "larger part, of those directly beside a crack, of each element that it meets. Each may be restricted: body.ds(\"left|right\").\n"
-      "Raises an Exception for a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that meet\n"
-      "each other, or an element without a strip between them (3 % of its size).")
+      "`notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a\n"
+      "mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:\n"
+      "body.ds(\"left|right\").")
     .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
                   {
                     std::vector<Crack> all;
@@ -225,7 +229,7 @@ static void ExportCrackedMesh (py::module & m)
            std::vector<std::pair<size_t, Pair>> points;
            for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) points.push_back({ nr, ToPair(edge.crossing) });
            return points;
-         }, py::arg("crack"), "The same with the points (x, y) at which it cuts them: a list of (number, point).")
+         }, py::arg("crack"), "The boundary elements that a crack cuts, with the points (x, y) at which it cuts them: a list of (number, point).")
     .def("CrackInTriangle", [] (const CrackedMesh & b, size_t element, size_t c)
          {
            auto cut = b.Find(element);
@@ -234,7 +238,7 @@ static void ExportCrackedMesh (py::module & m)
            return here->location->CrackInTriangle(b.GetCrack(c));
          }, py::arg("element"), py::arg("crack"),
          "The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle.\n"
-         "Raises an Exception if the crack does not meet the element.")
+         "\nRaises\n------\nException\n    If the crack does not meet the element.")
     .def("CrackElements", &CrackedMesh::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
     .def("MeshNodes", &MeshNodes, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
     .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.")

@@ -76,11 +76,14 @@ void ExportMeasures (py::module & m)
       "A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).")
     .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),
          py::arg("crack") = py::none(), py::arg("nodes") = py::none(), py::arg("space") = nullptr,
-         "The same measure, restricted or refined.\n\n"
-         "definedon: a Region, or the name (a regular expression) of materials for dx, of boundaries for ds.    bonus_intorder: added to the order of the rules.\n"
-         "definedonelements: BitArray of elements.    crack: number of the only crack.    nodes: arc lengths at which rules on the cracks are divided, one\n"
-         "list for each crack.    space: a CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules\n"
-         "always serve the spaces whose functions, trial or test functions are part of an integrand.    Raises an Exception for a region that the mesh does not have.")
+         "The same measure, restricted or refined.\n\nParameters\n----------\ndefinedon\n"
+         "    A Region, or the name (a regular expression) of materials for dx, of boundaries for ds.\nbonus_intorder\n"
+         "    Added to the order of the rules.\ndefinedonelements\n    BitArray of elements.\ncrack\n"
+         "    Number of the only crack.\nnodes\n"
+         "    Arc lengths at which rules on the cracks are divided, one list for each crack.\nspace\n"
+         "    A CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules always serve the spaces whose\n"
+         "    functions, trial or test functions are part of an integrand.\n\nRaises\n------\nException\n"
+         "    For a region that the mesh does not have.")
     .def("Points", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
          {
            auto p = RulePoints(ForSpace(dx, space), order);

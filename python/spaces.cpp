@@ -57,7 +57,8 @@ static void ExportCrackFESpace (py::module & m)
     .def_property_readonly("tip_specs", &CrackFESpace::TipSpecs, "For each of body.tips its TipSpec, or None where there are no tip functions.")
     .def("HeldRegions", &CrackFESpace::HeldRegions, py::arg("component"), "The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.")
     .def("SetTipMaterial", &CrackFESpace::SetTipMaterial, py::arg("tip"), py::arg("kappa"), py::arg("mu"),
-         "Gives the modes at a tip another material: unknowns and rules stay what they are. Raises an Exception where there are no functions.")
+         "Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are.\n\nRaises\n"
+         "------\nException\n    Where there are no functions.")
     .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside, "The number of Heaviside functions of one component.")
     .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "(i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.")
     .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"), "The number of the crack at which it jumps.")
@@ -85,7 +86,7 @@ static void ExportTraceSpace (py::module & m)
     .def_property_readonly("ndof", &TraceBasis::NDof, "The number of functions.");
   py::class_<NodalTraceBasis, shared_ptr<NodalTraceBasis>, TraceBasis>(m, "NodalTraceBasis",
       "Lagrange functions between nodes: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.\n"
-      "Raises an Exception for nodes that do not increase from 0 to the length of each crack.")
+      "\nRaises\n------\nException\n    For nodes that do not increase from 0 to the length of each crack.")
     .def(py::init([] (shared_ptr<CrackedMesh> body, int order, CrackNodes nodes) { return make_shared<NodalTraceBasis>(body, order, nodes); }),
          py::arg("body"), py::arg("order"), py::arg("nodes"))
     .def("DofPositions", &NodalTraceBasis::DofPositions, py::arg("crack"), "The arc length to which each function of a crack belongs.")

@@ -35,10 +35,23 @@ class ActiveSetResult:
 def solve_active_set(Q, q, r=1.0, start=None, max_iterations=100):
     """Solves p ≤ 0, w = Qp + q ≤ 0, p·w = 0.
 
-    Q: (m, m), positive definite, in any scaling.    r: positive; relative to 1/diag(Q).
-    start: first active set, boolean; default empty, see coarse_start.
+    Parameters
+    ----------
+    Q
+        (m, m), positive definite, in any scaling.
+    r
+        Positive; relative to 1/diag(Q).
+    start
+        First active set, boolean; default empty, see coarse_start.
+
+    Raises
+    ------
+    NotConverged
+        After max_iterations active-set steps and 100·m steps of the fallback.
+
+    Notes
+    -----
     If a set comes back (a cycle) a method that decreases the energy at every step takes over, see descend; without symmetry, box_path.
-    Raises NotConverged after max_iterations active-set steps and 100·m steps of the fallback.
     """
     check_positive(r, "r")
     r = r / np.diag(Q)

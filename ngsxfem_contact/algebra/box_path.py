@@ -16,7 +16,14 @@ INSIDE, AT_UPPER, AT_LOWER = 0, 1, -1
 def follow_path(Q, q, lower, upper, states):
     """p, its states and the number of changes on the way; raises NotConverged after 100 changes for each unknown.
 
-    Q: (n, n), any scaling.    lower, upper: may be infinite, or equal, where w is free.    states: (n,) INSIDE, AT_UPPER or AT_LOWER.
+    Parameters
+    ----------
+    Q
+        (n, n), any scaling.
+    lower, upper
+        May be infinite, or equal, where w is free.
+    states
+        (n,) INSIDE, AT_UPPER or AT_LOWER.
     """
     scale = 1 / np.sqrt(np.diag(Q))
     path = Path(Q * scale * scale[:, None], scale * q, lower / scale, upper / scale, np.array(states))

@@ -69,8 +69,17 @@ def default_inverse(size):
 
 @dataclass
 class ReducedLoad:
-    """A right-hand side F with A⁻¹F as the crack feels it.  border: what is left of F at the tips' unknowns.  crack: C A⁻¹F.
+    """A right-hand side F with A⁻¹F as the crack feels it.
 
+    Parameters
+    ----------
+    border
+        What is left of F at the tips' unknowns.
+    crack
+        C A⁻¹F.
+
+    Notes
+    -----
     Linear in F: reduced loads add and are multiplied by numbers.
     """
 
@@ -96,10 +105,21 @@ class Elimination:
 
     Long rows would ruin the ordering of a sparse factorisation: they stay outside of it, as a border, eliminated by block elimination.
 
-    free: BitArray of the unknowns that are not fixed.    border: those whose rows are long, see `spaces.unknowns.tip_unknowns`.
-    inverse: name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by
-        one solve for each row of C.
-    S: dense (m, m).    positive: whether A is positive definite; None if the direct solver does not tell.
+    Parameters
+    ----------
+    free
+        BitArray of the unknowns that are not fixed.
+    border
+        Those whose rows are long, see `spaces.unknowns.tip_unknowns`.
+    inverse
+        Name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by one solve for each row of C.
+
+    Attributes
+    ----------
+    S
+        Dense (m, m).
+    positive
+        Whether A is positive definite; None if the direct solver does not tell.
     """
 
     def __init__(self, matrix, free, border=(), C=None, inverse=None):

@@ -53,7 +53,13 @@ class Threshold:
 
 @dataclass(frozen=True)
 class States:
-    """contact: (m,) bool.    tangential: (m,) int: STICK, SLIP_PLUS (p_t = s), SLIP_MINUS (p_t = -s), FREE (s = 0)."""
+    """contact: (m,) bool.
+
+    Parameters
+    ----------
+    tangential
+        (m,) int: STICK, SLIP_PLUS (p_t = s), SLIP_MINUS (p_t = -s), FREE (s = 0).
+    """
 
     contact: np.ndarray
     tangential: np.ndarray
@@ -136,7 +142,13 @@ def next_states(p, w, r, threshold, states):
 
 
 def newton(Q, q, threshold, r, start, max_iterations):
-    """A NodalResult; raises Cycle, and NotConverged after max_iterations.    r: (2m,), positive."""
+    """A NodalResult; raises Cycle, and NotConverged after max_iterations.
+
+    Parameters
+    ----------
+    r
+        (2m,), positive.
+    """
     states, history, seen = start, [start], {start.key}
     for _ in range(max_iterations):
         try:
@@ -182,7 +194,12 @@ def fixed_threshold(Q, q, s, r, start, max_iterations):
 class FixedPoint:
     """Coulomb's law as a sequence of given thresholds: s ← s(p_n), each a problem with one solution.
 
-    tolerance: of the change of s, relative to the largest.    max_iterations: number of thresholds.
+    Parameters
+    ----------
+    tolerance
+        Of the change of s, relative to the largest.
+    max_iterations
+        Number of thresholds.
     """
 
     tolerance: float = 1e-12
@@ -193,7 +210,27 @@ class FixedPoint:
         check_whole(self.max_iterations, "FixedPoint: max_iterations", 1)
 
     def Solve(self, Q, q, threshold, r, start, max_iterations):
-        """A NodalResult; raises NotConverged where the thresholds do not settle."""
+        """A NodalResult; raises NotConverged where the thresholds do not settle.
+
+        Parameters
+        ----------
+        Q : (2 m, 2 m) array
+            Positive definite, in any scaling.
+        q : (2 m,) array
+            At the nodes, normal parts first.
+        threshold : Threshold
+            s at the nodes.
+        r : float
+            Of the projection, > 0, relative to 1/diag(Q).
+        start : (m,) boolean array
+            The nodes in contact at first; default none.
+        max_iterations : int
+            Newton steps for each set of states.
+
+        Returns
+        -------
+        NodalResult
+        """
         m = len(start.contact)
         s, result, changes = threshold.At(np.zeros(m), start.contact), None, []
         history, fallback = [], 0
@@ -232,12 +269,37 @@ class FullNewton:
     """Newton's method on the whole problem, the threshold's dependence on p_n in its matrix; if it cycles, a safeguard.
 
     The safeguard is `box_path.follow_path` where s is given, and otherwise FixedPoint.
+
+    Parameters
+    ----------
+    safeguard : FixedPoint
+        What takes over where s depends on p_n.
     """
 
     safeguard: FixedPoint = FixedPoint()
 
     def Solve(self, Q, q, threshold, r, start, max_iterations):
-        """A NodalResult; raises NotConverged."""
+        """A NodalResult; raises NotConverged.
+
+        Parameters
+        ----------
+        Q : (2 m, 2 m) array
+            Positive definite, in any scaling.
+        q : (2 m,) array
+            At the nodes, normal parts first.
+        threshold : Threshold
+            s at the nodes.
+        r : float
+            Of the projection, > 0, relative to 1/diag(Q).
+        start : (m,) boolean array
+            The nodes in contact at first; default none.
+        max_iterations : int
+            Newton steps for each set of states.
+
+        Returns
+        -------
+        NodalResult
+        """
         if threshold.is_fixed:
             result = fixed_threshold(Q, q, threshold.base, r, start, max_iterations)
             return replace(result, method="semi-smooth Newton")

@@ -62,9 +62,23 @@ def nonzero(values):
 class Pardiso:
     """A⁻¹ on the unknowns of a BitArray and K A⁻¹Kᵀ for K in CSC format; matrix: symmetric, a SparseMatrix of NGSolve.
 
-    schur: K A⁻¹Kᵀ, dense.    positive: whether A is positive definite.
+    Attributes
+    ----------
+    schur
+        K A⁻¹Kᵀ, dense.
+    positive
+        Whether A is positive definite.
+
+    Raises
+    ------
+    ImportError
+        Without MKL.
+    RuntimeError
+        With the number of a Pardiso error.
+
+    Notes
+    -----
     Pardiso compares pivots with the largest entries: the largest diagonal entry of A and the largest of each row of K are made 1 for it.
-    Raises ImportError without MKL, RuntimeError with the number of a Pardiso error.
     """
 
     name = "pardiso"

@@ -69,7 +69,13 @@ def check_rigid_motions(problem):
 
 
 def check_multiplier(Q, stabilised, tolerance=1e-10):
-    """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable.    stabilised: by some γ."""
+    """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable.
+
+    Parameters
+    ----------
+    stabilised
+        By some γ.
+    """
     scale = 1 / np.sqrt(np.maximum(np.diag(Q), np.finfo(float).tiny))
     values = np.linalg.eigvalsh(0.5 * (Q + Q.T) * scale[:, None] * scale)
     deficient = int((values < tolerance * values[-1]).sum())
@@ -97,7 +103,19 @@ def check_coercive(problem, elimination):
 def Coercivity(problem):
     """The smallest eigenvalue of K - K_γ against K, (13) of [AHLMR12]: 1 - θ; negative where γ is too large.
 
-    Raises SingularSystem if rigid motions are left free.
+    Parameters
+    ----------
+    problem : ContactProblem
+        Whose K and K_γ they are.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    SingularSystem
+        If rigid motions are left free.
     """
     check_rigid_motions(problem)
     gamma = problem.Gamma()
@@ -133,8 +151,25 @@ def largest_eigenvalue(A, M, M_inverse, free):
 def InfSup(V, W, weight=specialcf.mesh_size):
     """β_h = inf_μ sup_v b(μ,v) / (‖v‖_{H¹} ‖w^{1/2} μ‖_{L²(Γ_C)}); zero: the pair is singular. Dense algebra of the size of W.
 
-    V: CrackFESpace.    W: TraceSpace on the same body.    Raises ValueError for a weight that is not positive and finite.
-    weight: w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
+    Parameters
+    ----------
+    V : CrackFESpace
+    W
+        TraceSpace on the same body.
+    weight
+        w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        For a weight that is not positive and finite.
+
+    Notes
+    -----
     `analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
     """
     u, v = V.TnT()

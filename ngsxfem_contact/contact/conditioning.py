@@ -18,8 +18,18 @@ from .checks import check_rigid_motions
 def CrackScaling(matrix, V, free=None):
     """The inverse of the block diagonal part, an NGSolve matrix: a preconditioner, or with S Sᵀ equal to it the scaling Sᵀ A S.
 
-    matrix: symmetric positive definite, of a form on V (K - K_γ, a mass matrix).    free: default V.FreeDofs(); functions
-    that are negligible are left out, too.
+    Parameters
+    ----------
+    matrix
+        Symmetric positive definite, of a form on V (K - K_γ, a mass matrix).
+    V : CrackFESpace
+        The space of the matrix.
+    free
+        Default V.FreeDofs(); functions that are negligible are left out, too.
+
+    Returns
+    -------
+    BaseMatrix
     """
     others = without_negligible(matrix, V, V.FreeDofs() if free is None else free)
     blocks = []
@@ -55,7 +65,19 @@ def scaling_blocks(V):
 def ConditionNumber(problem):
     """The condition number of K - K_γ after CrackScaling, on the free unknowns of a ContactProblem, by Lanczos.
 
-    Raises SingularSystem if rigid motions are left free.
+    Parameters
+    ----------
+    problem : ContactProblem
+        Whose K - K_γ it is.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    SingularSystem
+        If rigid motions are left free.
     """
     check_rigid_motions(problem)
     matrix = problem.Assemble().stiffness

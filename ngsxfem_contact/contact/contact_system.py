@@ -28,9 +28,19 @@ class GivenTraction:
 class ContactSystem:
     """K - K_γ as an NGSolve matrix; E = B - C_γ and D_γ as scipy matrices; G, the initial gap, an array: the blocks of (38).
 
-    gamma: γ or None.    nodes: where the signs are taken, W or what stands for it.    weights: ∫ψ_i, the length of Γ_C that
-    belongs to each multiplier.    traction: the ComparedTraction, R_h.
+    Attributes
+    ----------
+    gamma
+        γ or None.
+    nodes
+        Where the signs are taken, W or what stands for it.
+    weights
+        ∫ψ_i, the length of Γ_C that belongs to each multiplier.
+    traction
+        The ComparedTraction, R_h.
 
+    Notes
+    -----
     Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
     With friction the multiplier is L = (L_n, L_t), the rows of B are -∫ψ_i g_n and -∫ψ_i g_t, those of C_γ ∫γψ_i R_n and
     ∫γψ_i R_t, R_t = σ_t of the larger part, and K_γ = ∫γ (R_n R_n + R_t R_t).

@@ -49,7 +49,13 @@ class Friction(ABC):
     depends_on_path = True
 
     def Solve(self, Q, q, W, cone, report, r, start, max_iterations):
-        """p = (p_n, p_t); books its iterations in the report.    start: nodes in contact at first."""
+        """p = (p_n, p_t); books its iterations in the report.
+
+        Parameters
+        ----------
+        start
+            Nodes in contact at first.
+        """
         check_positive(r, "r")
         threshold = self.Threshold(W, cone)
         contact = np.array(start, dtype=bool)
@@ -64,8 +70,17 @@ class Friction(ABC):
         return result.p
 
     def Work(self, p, w, W, cone, before):
-        """(∫λ_t Δg_t of a step, how far it may be off).    w: minus the weighted gaps and slips.    before: p of the last step, or None.
+        """(∫λ_t Δg_t of a step, how far it may be off).
 
+        Parameters
+        ----------
+        w
+            Minus the weighted gaps and slips.
+        before
+            p of the last step, or None.
+
+        Notes
+        -----
         What slips does so at |λ_t| = s. While s changes, the trapezoidal rule takes the mean of s before and after; without a step before
         the end-point rule takes s after. The error is the difference of the two, s = 0 before a first step where it depends on the pressure.
         """
@@ -93,9 +108,17 @@ class Friction(ABC):
 class Tresca(Friction):
     """|λ_t| ≤ s, the slip in the direction of λ_t where |λ_t| = s.
 
-    s: number or CoefficientFunction ≥ 0, a stress.    in_contact_only: False (default): on the whole crack, the classical
-    functional ∫ s |g_t|; True: s = 0 where the crack is open.
-    Raises ValueError for an s that is negative or not finite, at the latest when it is evaluated at the multiplier's nodes.
+    Parameters
+    ----------
+    s
+        Number or CoefficientFunction ≥ 0, a stress.
+    in_contact_only
+        False (default): on the whole crack, the classical functional ∫ s |g_t|; True: s = 0 where the crack is open.
+
+    Raises
+    ------
+    ValueError
+        For an s that is negative or not finite, at the latest when it is evaluated at the multiplier's nodes.
     """
 
     s: float | CoefficientFunction
@@ -107,11 +130,36 @@ class Tresca(Friction):
         check_threshold(self.s, "Tresca: s")
 
     def Threshold(self, W, cone):
-        """s at the nodes, or ∫sψ_i for the weak cone."""
+        """s at the nodes, or ∫sψ_i for the weak cone.
+
+        Parameters
+        ----------
+        W : TraceSpace
+            Or what stands for it.
+        cone : Nonpositive or Weak
+            What the signs refer to.
+
+        Returns
+        -------
+        Threshold
+        """
         return Threshold(cone.Values(W, checked_values(W, self.s, "Tresca: s")), np.zeros(W.ndof), self.in_contact_only)
 
     def Uniqueness(self, Q, threshold):
-        """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise."""
+        """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise.
+
+        Parameters
+        ----------
+        Q : (2 m, 2 m) array
+            The reduced matrix.
+        threshold : Threshold
+            That of the law.
+
+        Returns
+        -------
+        float or None
+            Below 1: one solution is proved. None: not known.
+        """
         return 0.0 if threshold.is_fixed else None
 
 
@@ -119,10 +167,22 @@ class Tresca(Friction):
 class Coulomb(Friction):
     """|λ_t| ≤ μ_f |λ_n|, the slip in the direction of λ_t where they are equal.
 
-    mu_f: number or CoefficientFunction ≥ 0, evaluated at the multiplier's nodes.
-    method: FullNewton() (default; goes on with FixedPoint if it cycles) or FixedPoint(tolerance, max_iterations).
-    The law may have several solutions for a large mu_f. `report.uniqueness` is a number below which 1 proves that there is one;
-    NotConverged is raised where none is found. Raises ValueError as Tresca.
+    Parameters
+    ----------
+    mu_f
+        Number or CoefficientFunction ≥ 0, evaluated at the multiplier's nodes.
+    method
+        FullNewton() (default; goes on with FixedPoint if it cycles) or FixedPoint(tolerance, max_iterations).
+
+    Raises
+    ------
+    ValueError
+        As Tresca.
+
+    Notes
+    -----
+    The law may have several solutions for a large mu_f. `report.uniqueness` is a number below which 1 proves that there is one NotConverged is raised
+    where none is found.
     """
 
     mu_f: float | CoefficientFunction
@@ -134,11 +194,36 @@ class Coulomb(Friction):
             raise TypeError(f"Coulomb: method={self.method!r} is neither FullNewton() nor FixedPoint()")
 
     def Threshold(self, W, cone):
-        """s = μ_f |p_n| at the nodes."""
+        """s = μ_f |p_n| at the nodes.
+
+        Parameters
+        ----------
+        W : TraceSpace
+            Or what stands for it.
+        cone : Nonpositive or Weak
+            What the signs refer to.
+
+        Returns
+        -------
+        Threshold
+        """
         return Threshold(np.zeros(W.ndof), checked_values(W, self.mu_f, "Coulomb: mu_f"))
 
     def Uniqueness(self, Q, threshold):
-        """See nodal_newton.uniqueness_number."""
+        """See nodal_newton.uniqueness_number.
+
+        Parameters
+        ----------
+        Q : (2 m, 2 m) array
+            The reduced matrix.
+        threshold : Threshold
+            That of the law.
+
+        Returns
+        -------
+        float or None
+            Below 1: one solution is proved. None: not known.
+        """
         return uniqueness_number(Q, threshold.slope)
 
 

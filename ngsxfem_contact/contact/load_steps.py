@@ -10,8 +10,14 @@ from .solver import STEP_OPTIONS, ReducedProblem
 class LoadCase:
     """The load F and the given displacements U_D that a problem holds now, copied: what is added to it later is another case.
 
-    problem: ContactProblem.    Raises ValueError for a load or a given displacement that is not finite, and for given displacements that contradict
-    each other.
+    Parameters
+    ----------
+    problem : ContactProblem
+
+    Raises
+    ------
+    ValueError
+        For a load or a given displacement that is not finite, and for given displacements that contradict each other.
     """
 
     def __init__(self, problem):
@@ -26,9 +32,26 @@ class LoadCase:
 class LoadSteps:
     """Solves (38) for F(t) = Σ t_i F_i, with the displacements Σ t_i U_D,i given where the problem is held.
 
-    cases: LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap, the initial stress and
-    the temperature stay.
-    inverse: as for ContactProblem.Solve.
+    Parameters
+    ----------
+    problem : ContactProblem
+        What is loaded.
+    cases
+        LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap, the initial stress and the temperature
+        stay.
+    inverse
+        As for ContactProblem.Solve.
+
+    Notes
+    -----
+    Stiffness matrix, multipliers, held parts, the gap and the given stresses are those of the problem when LoadSteps is built. One
+    factorisation, one back-substitution for each case, then dense algebra of the size of the multiplier for each step;
+    the displacement of a step costs a back-substitution when it is first used, and is checked then.
+    With friction slip is measured from the step before (`previous=None` starts afresh), so the order of steps matters.
+
+    Examples
+    --------
+    ::
 
         steps = LoadSteps(problem)
         solutions = [steps.Solve(t) for t in np.linspace(0, 1, 21)]
@@ -36,11 +59,6 @@ class LoadSteps:
         problem.SetDirichlet((0, -1e-3), "top");  press = LoadCase(problem)
         problem.SetDirichlet((0, 0), "top");  problem.f += shear * v * body.ds("left");  push = LoadCase(problem)
         steps = LoadSteps(problem, [press, push]);  solution = steps.Solve(1, 0.3)
-
-    Stiffness matrix, multipliers, held parts, the gap and the given stresses are those of the problem when LoadSteps is built. One
-    factorisation, one back-substitution for each case, then dense algebra of the size of the multiplier for each step;
-    the displacement of a step costs a back-substitution when it is first used, and is checked then.
-    With friction slip is measured from the step before (`previous=None` starts afresh), so the order of steps matters.
     """
 
     def __init__(self, problem, cases=None, inverse=None):
@@ -58,11 +76,29 @@ class LoadSteps:
         self.last = None
 
     def Solve(self, *t, start=None, **options):
-        """The ContactSolution for the factors t, one for each case.
+        """The solution for the factors t.
 
-        start: as for ContactProblem.Solve; default the active set of the step before.    options: cone, r, max_iterations, previous.
-        Raises TypeError for another option, ValueError unless there is one finite factor for each case.
-        Raises NotConverged, for the displacement's own residual when `solution.u` is first used.
+        Parameters
+        ----------
+        *t : float
+            One for each case.
+        start
+            As for ContactProblem.Solve; default the active set of the step before.
+        **options
+            cone, r, max_iterations, previous.
+
+        Returns
+        -------
+        ContactSolution
+
+        Raises
+        ------
+        TypeError
+            For another option.
+        ValueError
+            Unless there is one finite factor for each case.
+        NotConverged
+            For the displacement's own residual when `solution.u` is first used.
         """
         check_options(options, STEP_OPTIONS, "LoadSteps.Solve")
         if len(t) != len(self.loads):

@@ -33,7 +33,11 @@ def bits(size, numbers):
 class LocalPressures:
     """The polynomials q in which π is sought, on the elements of nearly incompressible material that one crack meets.
 
-    problem: ContactProblem.    gamma: γ.
+    Parameters
+    ----------
+    problem : ContactProblem
+    gamma
+        γ.
     """
 
     def __init__(self, problem, gamma):

@@ -35,8 +35,17 @@ from .stabilisation import BarbosaHughes, Stabilisation
 class Nitsche(Stabilisation):
     """In place of a stabilised multiplier: ContactProblem(..., stabilisation=Nitsche(theta=1)).
 
-    theta: 1 (symmetric), 0 (fewest terms) or -1 (coercive for every γ).    gamma0, coercivity: γ as BarbosaHughes(gamma0,
-    coercivity) has it.    points: Gauss points on each interval of the crack; default order + 3.
+    Parameters
+    ----------
+    theta
+        1 (symmetric), 0 (fewest terms) or -1 (coercive for every γ).
+    gamma0, coercivity
+        γ as BarbosaHughes(gamma0, coercivity) has it.
+    points
+        Gauss points on each interval of the crack; default order + 3.
+
+    Notes
+    -----
     The W of the problem only presents the pressure: `solution.multiplier` is its L² projection onto W.
     """
 
@@ -61,11 +70,40 @@ class Nitsche(Stabilisation):
         return WholeTraction(self.gamma0, self.coercivity)
 
     def Gamma(self, V, material, components=(NORMAL,)):
-        """γ as a CoefficientFunction on the elements that the cracks meet."""
+        """γ as a CoefficientFunction on the elements that the cracks meet.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+        components : Component
+            Of the traction that take part: normal, and with friction tangential.
+
+        Returns
+        -------
+        CoefficientFunction
+            γ, on the elements that the cracks meet.
+        """
         return self._barbosa_hughes.Gamma(V, material, components)
 
     def IsSafe(self, V, material, components=(NORMAL,)):
-        """Whether the method is known to have one solution without an eigenvalue problem on the whole body."""
+        """Whether the method is known to have one solution without an eigenvalue problem on the whole body.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+        components : Component
+            Of the traction that take part: normal, and with friction tangential.
+
+        Returns
+        -------
+        bool
+        """
         return self.theta == -1 or self._barbosa_hughes.IsSafe(V, material, components)
 
     @property
@@ -74,13 +112,34 @@ class Nitsche(Stabilisation):
         return self.theta == 0
 
     def Remedy(self, smallest):
-        """A smaller γ, or θ = -1."""
+        """A smaller γ, or θ = -1.
+
+        Parameters
+        ----------
+        smallest : float
+            The smallest eigenvalue of K - K_γ against K.
+
+        Returns
+        -------
+        str
+            The end of the message of NotCoercive.
+        """
         if self.gamma0 is None:
             return f"γ was chosen element by element for a coercivity of {1 - self.coercivity:g}: take a smaller coercivity=..., or theta=-1"
         return self._barbosa_hughes.Remedy(smallest) + ", or theta=-1, which allows every γ"
 
     def System(self, problem):
-        """The matrices of the problem: a NitscheSystem."""
+        """The matrices of the problem: a NitscheSystem.
+
+        Parameters
+        ----------
+        problem : ContactProblem
+            Whose matrices they are.
+
+        Returns
+        -------
+        NitscheSystem
+        """
         return NitscheSystem(problem)
 
 
@@ -95,7 +154,14 @@ class WholeTraction(BarbosaHughes):
 class CrackPoints:
     """Gauss points between the points where the cracks meet mesh edges, in √r around a tip; in place of a space of multipliers.
 
-    ndof: their number.    weights: (ndof,).    points: for NGSolve's functions.
+    Attributes
+    ----------
+    ndof
+        Their number.
+    weights
+        (ndof,).
+    points
+        For NGSolve's functions.
     """
 
     def __init__(self, body, number):

@@ -67,20 +67,41 @@ def material_of(V, material):
 class ContactProblem:
     """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
 
-    V: CrackFESpace.    W: TraceSpace on the same CrackedMesh.    material: Elasticity, or Elasticity.ByRegion(...); default that of V.
-    stabilisation: BarbosaHughes(...) (default: chooses γ itself), None, or Nitsche(theta): no multiplier, W presents the pressure.
-    cone: "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
-    gap: initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
-    friction: None (default), Tresca(s) or Coulomb(mu_f).
-    initial_stress: σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
-    temperature: ΔT, a number or CoefficientFunction, the change since the body was free of stress; the material needs alpha=.
+    Parameters
+    ----------
+    V : CrackFESpace
+    W
+        TraceSpace on the same CrackedMesh.
+    material
+        Elasticity, or Elasticity.ByRegion(...); default that of V.
+    stabilisation
+        BarbosaHughes(...) (default: chooses γ itself), None, or Nitsche(theta): no multiplier, W presents the pressure.
+    cone
+        "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
+    gap
+        Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
+    friction
+        None (default), Tresca(s) or Coulomb(mu_f).
+    initial_stress
+        σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
+    temperature
+        ΔT, a number or CoefficientFunction, the change since the body was free of stress; the material needs alpha=.
 
-    Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test
-    function of V; load the faces of the cracks by FacePressure and FaceTraction. Springs and elastic joints are added to `a`:
-    problem.a += k*u*v*body.ds("bottom") + c*Jump(u)*Jump(v)*body.dcrack.
+    Raises
+    ------
+    TypeError
+        For other objects.
+    ValueError
+        For spaces on different bodies, a negative gap, an unknown cone, and modes of another material.
+
+    Notes
+    -----
+    Add the loads to the linear form `f`:  problem.f += force*v*body.dx + traction*v*body.ds("left"), v a test function of V; load the faces of the cracks
+    by FacePressure and FaceTraction. Springs and elastic joints are added to `a`: problem.a += k*u*v*body.ds("bottom") + c*Jump(u)*Jump(v)*body.dcrack.
     Hold the body by V's dirichlet regions (zero, or SetDirichlet) or by Pin. Then Solve().
-    Raises TypeError for other objects, ValueError for spaces on different bodies, a negative gap, an unknown cone, and modes of another material.
 
+    Examples
+    --------
     >>> from ngsolve import *
     >>> from netgen.geom2d import unit_square
     >>> from ngsxfem_contact import *
@@ -153,8 +174,14 @@ class ContactProblem:
     def FacePressure(self, p, crack=None, bonus_intorder=0):
         """Adds a pressure on both faces, of a fluid in the crack: it opens the crack where p > 0, and λ ≤ 0 carries what it leaves.
 
-        p: number or CoefficientFunction, a stress.    crack: number of the crack, default all of them.    bonus_intorder: for functions that are no
-            polynomials along the crack.
+        Parameters
+        ----------
+        p
+            Number or CoefficientFunction, a stress.
+        crack
+            Number of the crack, default all of them.
+        bonus_intorder
+            For functions that are no polynomials along the crack.
         """
         p = check_function(p, "FacePressure: p", 1)
         self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack, bonus_intorder)
@@ -162,7 +189,12 @@ class ContactProblem:
     def FaceTraction(self, plus=(0, 0), minus=(0, 0), crack=None, bonus_intorder=0):
         """Adds tractions on the plus and on the minus face, forces on the body for each unit of length: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
 
-        plus, minus: CoefficientFunctions with two components or tuples, stresses.    crack, bonus_intorder: as for FacePressure.
+        Parameters
+        ----------
+        plus, minus
+            CoefficientFunctions with two components or tuples, stresses.
+        crack, bonus_intorder
+            As for FacePressure.
         """
         plus, minus = (check_function(t, f"FaceTraction: {name}", 2) for t, name in ((plus, "plus"), (minus, "minus")))
         if crack is not None:
@@ -186,10 +218,22 @@ class ContactProblem:
         return self.supports.pinned
 
     def Pin(self, point, components, value=0):
-        """Fixes components ("x", "y" or "xy") of u at a mesh vertex to a number, or to one number for each component.
+        """Fixes components of u at a vertex of the mesh.
 
-        Raises ValueError if there is no vertex at the point (the message names the nearest), if u jumps there, inside the disk of a tip, whose
-        functions would move the vertex, and for a value that contradicts another one there.
+        Parameters
+        ----------
+        point : (x, y)
+            A vertex of the mesh.
+        components : str
+            "x", "y" or "xy".
+        value : float or tuple
+            The displacement, a length: one number, or one for each component; default 0.
+
+        Raises
+        ------
+        ValueError
+            If there is no vertex at the point (the message names the nearest), if u jumps there, inside the disk of a tip, whose functions would move the
+            vertex, and for a value that contradicts another one there.
         """
         self.supports.Pin(point, components, value)
 
@@ -197,15 +241,35 @@ class ContactProblem:
         """Sets u on a boundary region of V's dirichlet parts: the weighted L² projection of value's trace, both sides at a mouth.
 
         Beside a vertex that a mouth nearly meets, functions that hardly reach the boundary become free (`mouths.short_traces`).
-        value: CoefficientFunction with two components or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on
-            the region before is replaced.
-        Raises ValueError for a region on which a given component is not held by the space, and for another value than that of a Pin. Regions that
-        contradict each other at a common corner are refused by Solve and LoadCase.
+
+        Parameters
+        ----------
+        value
+            CoefficientFunction with two components or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on the region
+            before is replaced.
+        region : str
+            Names of boundaries, a regular expression; default all that V holds.
+
+        Raises
+        ------
+        ValueError
+            For a region on which a given component is not held by the space, and for another value than that of a Pin. Regions that contradict each other at
+            a common corner are refused by Solve and LoadCase.
         """
         self.supports.SetDirichlet(value, region)
 
     def ComparedTraction(self, a=None):
-        """R_h of this problem: a ComparedTraction.    a: springs and joints, a StiffnessForm; default those of the problem."""
+        """R_h of this problem: a ComparedTraction.
+
+        Parameters
+        ----------
+        a
+            Springs and joints, a StiffnessForm; default those of the problem.
+
+        Returns
+        -------
+        ComparedTraction
+        """
         return ComparedTraction(self.body, self.material, self.stabilisation.sides, (self.a if a is None else a).joint)
 
     def Gamma(self):
@@ -232,11 +296,29 @@ class ContactProblem:
         return getattr(self.stabilisation, "System", MixedSystem if self.is_mixed else ContactSystem)(self)
 
     def Solve(self, **options):
-        """Solves and returns a ContactSolution; options: inverse, previous, cone, r, start, max_iterations, see `solver.solve`.
+        """Solves the problem.
 
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
-        Raises SingularSystem (rigid motions left free, or multipliers that no displacement feels), NotCoercive
-        (gamma0 too large), NotConverged, TypeError for another option.
+
+        Parameters
+        ----------
+        **options
+            inverse, previous, cone, start, max_iterations: see `contact.solver.solve`. `previous`: with friction the ContactSolution of the last load step,
+            on the same spaces: slip is measured from there.
+
+        Returns
+        -------
+        ContactSolution
+
+        Raises
+        ------
+        SingularSystem
+            Rigid motions left free, or multipliers that no displacement feels.
+        NotCoercive
+            gamma0 too large.
+        NotConverged
+        TypeError
+            For another option.
         """
         check_options(options, ("inverse", *STEP_OPTIONS), "ContactProblem.Solve")
         return solve(self, **options)

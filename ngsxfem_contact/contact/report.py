@@ -13,17 +13,38 @@ from ..progress import doing
 class Report:
     """What a solve did.
 
-    inverse: the direct solver.    active: the active set of each iteration, the first is where it started.
-    coarse_iterations: on the coarser problems that gave the first set.    fallback: steps of descent after a cycle.
-    converged: whether residual and complementarity are small; None until they are measured.
-    residual: of the first row of (38), relative.    complementarity: relative violation of the signs. Both are measured
-    when u is recovered and NaN before (LoadSteps).    timings: seconds.    notes: of the body, on ends of cracks that it moved.
+    Attributes
+    ----------
+    inverse
+        The direct solver.
+    active
+        The active set of each iteration, the first is where it started.
+    coarse_iterations
+        On the coarser problems that gave the first set.
+    fallback
+        Steps of descent after a cycle.
+    converged
+        Whether residual and complementarity are small; None until they are measured.
+    residual
+        Of the first row of (38), relative.
+    complementarity
+        Relative violation of the signs. Both are measured when u is recovered and NaN before (LoadSteps).
+    timings
+        Seconds.
+    notes
+        Of the body, on ends of cracks that it moved.
+    projection
+        The degree of the polynomials onto which div u is projected where the material is nearly incompressible; None: nowhere.
+    method
+        In words.
+    threshold_changes
+        relative, of each step of a fixed point on the threshold.
+    uniqueness
+        Below 1 it proves that the law has one solution (0: convex problem, None: not known).
 
-    projection: the degree of the polynomials onto which div u is projected where the material is nearly incompressible; None: nowhere.
-
-    With friction, tangential: states of the nodes in each iteration, codes of `nodal_newton`; method: in words;
-    threshold_changes: relative, of each step of a fixed point on the threshold; uniqueness: below 1 it proves that the law has
-    one solution (0: convex problem, None: not known).
+    Notes
+    -----
+    With friction, tangential: states of the nodes in each iteration, codes of `nodal_newton`
     """
 
     unknowns: tuple

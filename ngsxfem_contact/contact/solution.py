@@ -20,7 +20,20 @@ from .mixed_system import LocalPressures
 class CrackProfile:
     """Arrays (n,) along a crack, in the user's units of length and stress.
 
-    s: arc length.    x, y: the points.    gap: g_n ≥ 0.    slip: g_t.    sigma_n: λ ≤ 0.    sigma_t: λ_t with friction, see Profile.
+    Attributes
+    ----------
+    s
+        Arc length.
+    x, y
+        The points.
+    gap
+        g_n ≥ 0.
+    slip
+        g_t.
+    sigma_n
+        λ ≤ 0.
+    sigma_t
+        λ_t with friction, see Profile.
     """
 
     s: np.ndarray
@@ -36,9 +49,20 @@ class CrackProfile:
 class State:
     """Of the nodes where signs are taken.
 
-    nodes: W, or what stands for it.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
-    residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
-    p: the values whose signs are checked, L = T p.    work: of friction in this step, and how far it may be off.
+    Attributes
+    ----------
+    nodes
+        W, or what stands for it.
+    L
+        The multipliers there.
+    moments
+        (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
+    residual
+        Moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
+    p
+        The values whose signs are checked, L = T p.
+    work
+        Of friction in this step, and how far it may be off.
     """
 
     nodes: object
@@ -50,12 +74,37 @@ class State:
 
 
 class ContactSolution:
-    """u, multiplier: GridFunctions.  report: what the solve did.  gamma: γ on the cracks, or None.
+    """What a solve found: displacement, pressure, and what can be read from them.
 
-    u may be a function without arguments that computes u and the SupportResidual: it is called when one of them is first used.
-    tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
-    load: the Load of this step: F, and the terms it comes from.    a: the springs and joints of the solve, a StiffnessForm.
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        What was solved.
+    u : GridFunction or function
+        The displacement; or a function without arguments that computes it and the SupportResidual: it is called when one of them is first used.
+    multipliers : sequence of GridFunctions
+        λ, and with friction λ_t.
+    report : Report
+        What the solve did.
+    gamma : CoefficientFunction or None
+        γ on the cracks.
+    state : State
+        For the next load step.
+    load
+        The load of this step: F, and the terms it comes from.
+
+    Attributes
+    ----------
+    u : GridFunction
+        The displacement.
+    multiplier : GridFunction
+        λ, the contact pressure ≤ 0.
+    tangential_multiplier : GridFunction or None
+        λ_t; None without friction.
+    a : StiffnessForm
+        The springs and joints of the solve.
     """
 
     def __init__(self, problem, u, multipliers, report, gamma, state, load=None):
@@ -93,12 +142,34 @@ class ContactSolution:
         return self.StressAt(None)
 
     def StressAt(self, side):
-        """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point."""
+        """The same on a side of the crack, "plus", "minus" or "larger"; None: by the position of the point.
+
+        Parameters
+        ----------
+        side : str or None
+            "plus", "minus", "larger"; None: by the position of the point.
+
+        Returns
+        -------
+        CoefficientFunction
+            A 2 × 2 matrix.
+        """
         elastic, given = self.ElasticStress(side), self.applied.stress
         return elastic if given is None else elastic + given
 
     def ElasticStress(self, side):
-        """The same without what is given, C:ε(u)."""
+        """The same without what is given, C:ε(u).
+
+        Parameters
+        ----------
+        side : str or None
+            As for StressAt.
+
+        Returns
+        -------
+        CoefficientFunction
+            A 2 × 2 matrix.
+        """
         elastic = stress(self.problem.material, self.u, side)
         return elastic if self._pressure is None else elastic + self._pressure.At(side) * Id(2)
 
@@ -115,11 +186,38 @@ class ContactSolution:
         return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
     def ContactForce(self, crack=0):
-        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length. Raises ValueError for a crack that is not there."""
+        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length.
+
+        Parameters
+        ----------
+        crack : int
+            Number of the crack.
+
+        Returns
+        -------
+        float
+            Stress × length.
+
+        Raises
+        ------
+        ValueError
+            For a crack that is not there.
+        """
         return self._along(self.multiplier, crack)
 
     def TangentialForce(self, crack=0):
-        """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction."""
+        """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction.
+
+        Parameters
+        ----------
+        crack : int
+            Number of the crack.
+
+        Returns
+        -------
+        float
+            Stress × length.
+        """
         return self._along(self.tangential_multiplier, crack)
 
     def _along(self, function, crack):
@@ -129,7 +227,12 @@ class ContactSolution:
     def Reactions(self):
         """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
 
-        `total` of the table and the loads are in balance to round-off. Raises ValueError for a solution that was read from a file.
+        `total` of the table and the loads are in balance to round-off.
+
+        Raises
+        ------
+        ValueError
+            For a solution that was read from a file.
         """
         stress = self.stress
         if self._supports is None:
@@ -139,8 +242,21 @@ class ContactSolution:
     def Reaction(self, place):
         """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
 
-        place: a boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided
-        between them as σn on either side says.    Raises ValueError for a region that the mesh does not have and a vertex that is not pinned.
+        Parameters
+        ----------
+        place
+            A boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided between them as σn
+            on either side says.
+
+        Returns
+        -------
+        (2,) array
+            Stress × length.
+
+        Raises
+        ------
+        ValueError
+            For a region that the mesh does not have and a vertex that is not pinned.
         """
         rows = self.Reactions()
         if isinstance(place, str):
@@ -168,8 +284,23 @@ class ContactSolution:
     def Profile(self, crack=0, n=200):
         """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.
 
-        sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact
-        frictionless contact makes zero.    Raises ValueError for a crack that is not there and for n < 2.
+        sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact frictionless contact makes zero.
+
+        Parameters
+        ----------
+        crack : int
+            Number of the crack.
+        n : int
+            Of points, 2 or more.
+
+        Returns
+        -------
+        CrackProfile
+
+        Raises
+        ------
+        ValueError
+            For a crack that is not there and for n < 2.
         """
         body = self.body
         check_item(crack, body.cracks, "crack", "body.cracks")
@@ -190,7 +321,19 @@ class ContactSolution:
         return given if joint is None else given + joint.Tractions(self.u)
 
     def Traction(self, component, side):
-        """R_h(u) + r_0 of a side ("plus", "minus", "larger"): what the multiplier of a component (`operators.NORMAL`, `TANGENTIAL`) approximates."""
+        """R_h(u) + r_0 of a side ("plus", "minus", "larger"): what the multiplier of a component (`operators.NORMAL`, `TANGENTIAL`) approximates.
+
+        Parameters
+        ----------
+        component : Component
+            `operators.NORMAL` or `operators.TANGENTIAL`.
+        side : str
+            "plus", "minus" or "larger".
+
+        Returns
+        -------
+        CoefficientFunction
+        """
         traction = self._compared(component, side)
         return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
 
@@ -198,11 +341,31 @@ class ContactSolution:
         return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.applied.Shift(component, side, self.body)
 
     def Transitions(self, crack=0):
-        """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
+        """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle.
+
+        Parameters
+        ----------
+        crack : int
+            Number of the crack.
+
+        Returns
+        -------
+        (n,) array
+        """
         return self._changes(self.report.active[-1], crack)
 
     def SlipTransitions(self, crack=0):
-        """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
+        """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count.
+
+        Parameters
+        ----------
+        crack : int
+            Number of the crack.
+
+        Returns
+        -------
+        (n,) array
+        """
         tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.state.nodes.ndof)
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
@@ -218,14 +381,30 @@ class ContactSolution:
     def StressIntensity(self, tip=0, method="interaction", radius=None):
         """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).
 
-        method: "interaction" (default), the interaction integral over disks around the tip, with the body force and the
-            tractions of closed lips; "modes", the coefficients of the space's modes; "jump", extrapolated jumps; or an
-            object with Evaluate(solution, tip): InteractionIntegral, ModeCoefficients, JumpExtrapolation.
-        radius: of the largest disk, in the unit of length; default eight elements, less where there is no room.
-        The crack may bend inside the disk; ∂Ω and other cracks must be outside. The material is the same in the disk, and
-        coefficients of the load (such as a Parameter) have the values of the solve.
-        Raises ValueError for a disk that does not fit, for a method that the space does not allow, and for a load on
-        derivatives of the test function.
+        Parameters
+        ----------
+        tip : int
+            A number in `body.tips`.
+        method
+            "interaction" (default), the interaction integral over disks around the tip, with the body force and the tractions of closed lips; "modes", the
+            coefficients of the space's modes; "jump", extrapolated jumps; or an object with Evaluate(solution, tip): InteractionIntegral, ModeCoefficients,
+            JumpExtrapolation.
+        radius
+            Of the largest disk, in the unit of length; default eight elements, less where there is no room.
+
+        Returns
+        -------
+        StressIntensityFactors
+
+        Raises
+        ------
+        ValueError
+            For a disk that does not fit, for a method that the space does not allow, and for a load on derivatives of the test function.
+
+        Notes
+        -----
+        The crack may bend inside the disk; ∂Ω and other cracks must be outside. The material is the same in the disk, and coefficients of the load (such as a
+        Parameter) have the values of the solve.
         """
         return fracture.stress_intensity(self, tip, method, radius)
 
@@ -233,6 +412,17 @@ class ContactSolution:
         """G at a tip by the J-integral over disks, and by Irwin from K_I, K_II; see EnergyReleaseRate of `fracture`.
 
         J is quadratic in u: with P1 on coarse meshes Irwin's value is the better one. Raises as StressIntensity.
+
+        Parameters
+        ----------
+        tip : int
+            A number in `body.tips`.
+        radius : float
+            Of the largest disk, a length; default eight elements, less where there is no room.
+
+        Returns
+        -------
+        EnergyReleaseRate
         """
         return fracture.energy_release_rate(self, tip, radius)
 
@@ -240,7 +430,19 @@ class ContactSolution:
         """The T-stress at a tip, by an interaction integral with the field of a force in the tip: a TStress, float(...) is its value.
 
         It is the constant part of σ_ee, e the direction ahead: with given stresses, pressure on the faces and contact. radius: as for StressIntensity.
+
         Raises as StressIntensity.
+
+        Parameters
+        ----------
+        tip : int
+            A number in `body.tips`.
+        radius : float
+            Of the largest disk, a length; default eight elements, less where there is no room.
+
+        Returns
+        -------
+        TStress
         """
         return fracture.t_stress(self, tip, radius)
 
@@ -256,8 +458,11 @@ class ContactSolution:
     def Draw(self, **options):
         """Shows the deformed body with the crack open in a notebook.
 
-        options: field, a CoefficientFunction (default: the von Mises stress), scale of the displacement (default: the largest is 5 % of the
-        body), and those of ngsolve.webgui.Draw, see `plotting.draw`.
+        Parameters
+        ----------
+        **options
+            field, a CoefficientFunction (default: the von Mises stress), scale of the displacement (default: the largest is 5 % of the body), and those of
+            ngsolve.webgui.Draw, see `plotting.draw`.
         """
         from ..pictures.plotting import draw
 
@@ -266,8 +471,22 @@ class ContactSolution:
     def SaveVTK(self, path):
         """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
 
-        path: the ending is added if it is missing. The file appears when it is complete.
-        Raises FileNotFoundError if there is no such folder, OSError if the disk is full.
+        Parameters
+        ----------
+        path
+            The ending is added if it is missing. The file appears when it is complete.
+
+        Returns
+        -------
+        str
+            The name of the file, which appears when it is complete.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such folder.
+        OSError
+            If the disk is full.
         """
         from ..pictures.plotting import save_vtk
 

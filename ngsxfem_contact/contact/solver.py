@@ -28,10 +28,25 @@ STEP_OPTIONS = ("cone", "r", "start", "max_iterations", "previous")
 def solve(problem, inverse=None, **options):
     """Solves a ContactProblem and returns its ContactSolution.
 
-    inverse: NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for
-    large problems where MKL is installed.    As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
-    options: cone, r, start, max_iterations, previous as for ReducedProblem.Step.
-    Raises SingularSystem, NotCoercive, NotConverged, and ValueError for data that are not finite.
+    Parameters
+    ----------
+    inverse
+        NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for large problems where MKL is
+        installed.
+    **options
+        cone, r, start, max_iterations, previous as for ReducedProblem.Step.
+
+    Raises
+    ------
+    SingularSystem
+    NotCoercive
+    NotConverged
+    ValueError
+        For data that are not finite.
+
+    Notes
+    -----
+    As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
     """
     with doing("solving"):
         return ReducedProblem(problem, inverse).Solve(**options)
@@ -39,10 +54,20 @@ def solve(problem, inverse=None, **options):
 
 @dataclass
 class Load:
-    """F and given displacements of one load case, eliminated: `load.reduced` is that of F + F_γ - A U_D.  g: E A⁻¹(F + F_γ - A U_D) + E U_D.
-    jumps: given at mouths, see Supports.NormalJumps.
+    """F and given displacements of one load case, eliminated: `load.reduced` is that of F + F_γ - A U_D.
 
-    given_traction: F_γ and G_γ, see `ContactSystem.Given`.    The load cases of a problem can be added and multiplied by numbers.
+    Parameters
+    ----------
+    given_traction
+        F_γ and G_γ, see `ContactSystem.Given`.
+    g
+        E A⁻¹(F + F_γ - A U_D) + E U_D.
+    jumps
+        Given at mouths, see Supports.NormalJumps.
+
+    Notes
+    -----
+    The load cases of a problem can be added and multiplied by numbers.
     """
 
     F: np.ndarray
@@ -128,11 +153,19 @@ class ReducedProblem:
     def Step(self, cone=None, r=1.0, start=None, max_iterations=100, load=None, previous=None):
         """A ContactSolution whose displacement is recovered, and whose residuals are checked, when it is first used.
 
-        cone: "nonpositive" or "weak"; default the problem's.    r: the parameter of the projection (39), relative; the
-        answer does not depend on it.    start: first active set: boolean, one for each nodal sign, or a ContactSolution
-        on any mesh whose cracks have the same arc lengths; default: that of `previous`, or from coarser sets, see
-        active_set.coarse_start.    load: a Load; default what the problem held when it was reduced.
-        previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+        Parameters
+        ----------
+        cone
+            "nonpositive" or "weak"; default the problem's.
+        r
+            The parameter of the projection (39), relative; the answer does not depend on it.
+        start
+            First active set: boolean, one for each nodal sign, or a ContactSolution on any mesh whose cracks have the same arc lengths; default: that of
+            `previous`, or from coarser sets, see active_set.coarse_start.
+        load
+            A Load; default what the problem held when it was reduced.
+        previous
+            With friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         """
         problem, load, cone = self.problem, load or self.load, problem_cone(self.problem, cone)
         self.system.CheckCone(cone)
@@ -248,7 +281,10 @@ def active_on(W, solution):
 def complementarity(system, problem, U, L, G, free_gap, p, T, cone):
     """The largest violation of the nodal conditions: pressures relative to the largest, gaps and slips to the largest displacement.
 
-    free_gap: the second row of (38) without multipliers; its jumps count as displacements, which may all be zero where contact carries the load.
+    Parameters
+    ----------
+    free_gap
+        The second row of (38) without multipliers; its jumps count as displacements, which may all be zero where contact carries the load.
     """
     w = T.T @ (system.Moments(U, L) - G)
     lengths = np.maximum(np.abs(T.T) @ np.abs(system.weights), TINY)

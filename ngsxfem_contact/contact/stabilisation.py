@@ -72,11 +72,16 @@ class Unstabilised(Stabilisation):
 class BarbosaHughes(Stabilisation):
     """γ on the cracks.
 
-    gamma0: γ = gamma0 h_T with h_T the longest edge of each element; gamma has the unit of length over stress.
-        None (default): γ_T = theta h_T / C_T on each element, C_T the largest value of
-        ∫_{T∩Γ} h_T R_h(v)² / a_T(v,v), a_T over the larger part: K - K_γ is coercive with 1 - theta.
-    theta: between 0 and 1.
+    Parameters
+    ----------
+    gamma0
+        γ = gamma0 h_T with h_T the longest edge of each element; gamma has the unit of length over stress. None (default): γ_T = theta h_T / C_T on each
+        element, C_T the largest value of ∫_{T∩Γ} h_T R_h(v)² / a_T(v,v), a_T over the larger part: K - K_γ is coercive with 1 - theta.
+    theta
+        Between 0 and 1.
 
+    Notes
+    -----
     With friction the tangential multiplier is stabilised in the same way, R_h(v)² becoming |σ(v)n|².
     """
 
@@ -91,11 +96,41 @@ class BarbosaHughes(Stabilisation):
         check_number(self.theta, "BarbosaHughes: theta", lambda theta: 0 < theta < 1, "lie between 0 and 1")
 
     def Gamma(self, V, material, components=(NORMAL,)):
-        """γ as a CoefficientFunction on the elements that the cracks meet."""
+        """γ as a CoefficientFunction on the elements that the cracks meet.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+        components : Component
+            Of the traction that take part: normal, and with friction tangential.
+
+        Returns
+        -------
+        CoefficientFunction
+            γ, on the elements that the cracks meet.
+        """
         return element_gamma(V, self.Limits(V, material, components))
 
     def Limits(self, V, material, components=(NORMAL,)):
-        """γ_T / h_T for each of crack_elements."""
+        """γ_T / h_T for each of crack_elements.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+        components : Component
+            Of the traction that take part: normal, and with friction tangential.
+
+        Returns
+        -------
+        array
+            γ_T / h_T for each of crack_elements.
+        """
         if self.gamma0 is not None:
             return np.full(len(crack_elements(V.body)), self.gamma0)
         law, moduli = self.Law(V, material), local_moduli(V, material)
@@ -105,15 +140,52 @@ class BarbosaHughes(Stabilisation):
         return np.where(lacks_pressure(V, law), 0, limits)
 
     def Law(self, V, material):
-        """The material, or the part of it that γ has to do with: where it is nearly incompressible, pressures of their own take the rest."""
+        """The material, or the part of it that γ has to do with: where it is nearly incompressible, pressures of their own take the rest.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+
+        Returns
+        -------
+        Elasticity
+        """
         return WithoutPressure(material) if is_projected(V, material) else material
 
     def IsSafe(self, V, material, components=(NORMAL,)):
-        """Whether the local eigenproblems prove K - K_γ positive."""
+        """Whether the local eigenproblems prove K - K_γ positive.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+        components : Component
+            Of the traction that take part: normal, and with friction tangential.
+
+        Returns
+        -------
+        bool
+        """
         return self.gamma0 is None or self.gamma0 * trace_constants(V, self.Law(V, material), components).max() < 1
 
     def Remedy(self, smallest):
-        """A smaller γ."""
+        """A smaller γ.
+
+        Parameters
+        ----------
+        smallest : float
+            The smallest eigenvalue of K - K_γ against K.
+
+        Returns
+        -------
+        str
+            The end of the message of NotCoercive.
+        """
         if self.gamma0 is None:
             return f"γ was chosen element by element for a coercivity of {1 - self.theta:g}: take a smaller theta"
         return smaller_gamma0(self.gamma0, smallest, "gamma0=None, which chooses γ itself")
@@ -125,6 +197,13 @@ class BothSides(Stabilisation):
 
     weight=1 is what the authors' program does: against one ∫γλμ it is not consistent and imposes gap = γ|λ| in contact
     (docs/both-sides.md). weight=½ is consistent. Both depend on slivers: the smaller part has no trace inequality.
+
+    Parameters
+    ----------
+    gamma0 : float
+        γ / h_T, of the unit length over stress.
+    weight : float
+        Of both sides, > 0.
     """
 
     gamma0: float
@@ -140,15 +219,55 @@ class BothSides(Stabilisation):
         return {"plus": self.weight, "minus": self.weight}
 
     def Gamma(self, V, material, components=(NORMAL,)):
-        """γ as a CoefficientFunction on the elements that the cracks meet."""
+        """γ as a CoefficientFunction on the elements that the cracks meet.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+        components : Component
+            Of the traction that take part: normal, and with friction tangential.
+
+        Returns
+        -------
+        CoefficientFunction
+            γ, on the elements that the cracks meet.
+        """
         return element_gamma(V, np.full(len(crack_elements(V.body)), self.gamma0))
 
     def IsSafe(self, V, material, components=(NORMAL,)):
-        """False: no local bound is known, the eigenvalue has to be computed."""
+        """False: no local bound is known, the eigenvalue has to be computed.
+
+        Parameters
+        ----------
+        V : CrackFESpace
+            The displacements.
+        material : Elasticity
+            Of the body.
+        components : Component
+            Of the traction that take part: normal, and with friction tangential.
+
+        Returns
+        -------
+        bool
+        """
         return False
 
     def Remedy(self, smallest):
-        """A smaller γ."""
+        """A smaller γ.
+
+        Parameters
+        ----------
+        smallest : float
+            The smallest eigenvalue of K - K_γ against K.
+
+        Returns
+        -------
+        str
+            The end of the message of NotCoercive.
+        """
         return smaller_gamma0(self.gamma0, smallest, "BarbosaHughes(), which chooses γ itself")
 
 

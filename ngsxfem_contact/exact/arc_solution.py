@@ -18,10 +18,12 @@ from .closed_forms import ClosedForm
 class OpenArc:
     """The arc of radius 1 around the origin between the angles π/2 ± alpha, from left to right, lips free of traction.
 
-    σ₁, σ₂: principal stresses at infinity; σ₁ makes the angle beta with the x-axis. With ω(z) = z Φ̄(1/z) + ψ̄(1/z), φ ± ω
-    are continuous across the arc or change sign there: φ, ω = ½ (X q ± (D z - Γ̄'/z)), X = √((z-a)(z-b)) cut along the arc,
-    q = C - E/(ab z). C, D, E follow from the stress at infinity and Ω(∞) = conj Φ(0). The body must not contain the origin,
-    and the crack must be open: `exact.gap` > 0.
+    Attributes
+    ----------
+    σ₁, σ₂
+        Principal stresses at infinity; σ₁ makes the angle beta with the x-axis. With ω(z) = z Φ̄(1/z) + ψ̄(1/z), φ ± ω are continuous across the arc or
+        change sign there: φ, ω = ½ (X q ± (D z - Γ̄'/z)), X = √((z-a)(z-b)) cut along the arc, q = C - E/(ab z). C, D, E follow from the stress at
+        infinity and Ω(∞) = conj Φ(0). The body must not contain the origin, and the crack must be open: `exact.gap` > 0.
     """
 
     material: Elasticity

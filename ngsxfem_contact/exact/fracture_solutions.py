@@ -53,6 +53,7 @@ def inclined(stress, psi):
     """(normal, shear, along) on a crack under uniaxial `stress` whose axis makes the angle psi with the crack.
 
     The axis points to (cos ψ, sin ψ) in the crack's coordinates. For compression, stress = -σ, with the angle of friction
+
     φ: K_II = -σ sin ψ (cos ψ - sin ψ tan φ) √(πa), as long as it slips.
     """
     return stress * sin(psi) ** 2, stress * sin(psi) * cos(psi), stress * cos(psi) ** 2

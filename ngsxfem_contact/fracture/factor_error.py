@@ -9,8 +9,18 @@ BRANCH, NONE = 1.5, 3  # where there are no modes to compare with: at tips with 
 def reported_error(K, doubt, modes, h, spec):
     """The largest of three indications, in the unit of K.
 
-    K: (n, 2), of n disks, the largest first.    doubt: change of K with the pressure, in absolute values along the lips.
-    modes: the coefficients of the modes in the space, or None.    h: of the element at the tip.    spec: the TipSpec, or None.
+    Parameters
+    ----------
+    K
+        (n, 2), of n disks, the largest first.
+    doubt
+        Change of K with the pressure, in absolute values along the lips.
+    modes
+        The coefficients of the modes in the space, or None.
+    h
+        Of the element at the tip.
+    spec
+        The TipSpec, or None.
     """
     error = max(SPREAD * np.ptp(K, axis=0).max(), *doubt)
     if modes is None:

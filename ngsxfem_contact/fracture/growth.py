@@ -27,6 +27,8 @@ class MaximumHoopStress:
 
     A tip whose faces touch does not grow: contact makes K_I = 0 there. WingCracks lets it kink.
 
+    Examples
+    --------
     >>> round(degrees(MaximumHoopStress().Angle(K_I=0, K_II=1)), 2)
     -70.53
     """
@@ -34,13 +36,37 @@ class MaximumHoopStress:
     grows_closed = False
 
     def Angle(self, K_I, K_II):
-        """θ in radians from the direction ahead, counter-clockwise: K_I sin θ + K_II (3 cos θ - 1) = 0, |θ| ≤ 70.53°."""
+        """θ in radians from the direction ahead, counter-clockwise: K_I sin θ + K_II (3 cos θ - 1) = 0, |θ| ≤ 70.53°.
+
+        Parameters
+        ----------
+        K_I : float
+            Stress × √length.
+        K_II : float
+            Stress × √length.
+
+        Returns
+        -------
+        float
+        """
         if K_II == 0:
             return 0.0
         return 2 * atan2(-2 * K_II, K_I + sqrt(K_I**2 + 8 * K_II**2))
 
     def Driving(self, K_I, K_II):
-        """The largest σ_θθ √(2πr): for K_II = 0 it is K_I."""
+        """The largest σ_θθ √(2πr): for K_II = 0 it is K_I.
+
+        Parameters
+        ----------
+        K_I : float
+            Stress × √length.
+        K_II : float
+            Stress × √length.
+
+        Returns
+        -------
+        float
+        """
         half = 0.5 * self.Angle(K_I, K_II)
         return cos(half) ** 2 * (K_I * cos(half) - 3 * K_II * sin(half))
 
@@ -54,7 +80,18 @@ class WingCracks(MaximumHoopStress):
 
 @dataclass(frozen=True)
 class GivenIncrement:
-    """Every tip that grows advances by da, a length > 0. Raises ValueError for others."""
+    """Every tip that grows advances by da, a length > 0.
+
+    Parameters
+    ----------
+    da : float
+        The advance of each tip that grows, a length > 0.
+
+    Raises
+    ------
+    ValueError
+        For others.
+    """
 
     da: float
 
@@ -62,7 +99,18 @@ class GivenIncrement:
         check_positive(self.da, "GivenIncrement: da")
 
     def Advances(self, driving):
-        """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted."""
+        """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted.
+
+        Parameters
+        ----------
+        driving : (n,) array
+            The driving factors of the tips that grow.
+
+        Returns
+        -------
+        (advances, cycles)
+            Lengths, and a number of cycles.
+        """
         return np.full(len(driving), self.da), 0.0
 
 
@@ -71,8 +119,26 @@ class Paris:
     """da/dN = C (ΔK)^m, ΔK = (1 - ratio) K for loads between ratio and 1 times the given one.
 
     The tip with the largest ΔK advances by da, in da / (C ΔK^m) cycles, the others by what they grow meanwhile.
-    C: > 0, in length / cycle / (stress × √length)^m.    m: > 0.    da: a length > 0.    ratio: of the least to the largest load, 0 ≤ ratio < 1.
-    Raises ValueError for others. Source: Paris and Erdogan (1963).
+
+    Parameters
+    ----------
+    C
+        > 0, in length / cycle / (stress × √length)^m.
+    m
+        > 0.
+    da
+        A length > 0.
+    ratio
+        Of the least to the largest load, 0 ≤ ratio < 1.
+
+    Raises
+    ------
+    ValueError
+        For others.
+
+    References
+    ----------
+    Paris and Erdogan (1963).
     """
 
     C: float
@@ -86,7 +152,18 @@ class Paris:
         check_number(self.ratio, "Paris: ratio", lambda ratio: 0 <= ratio < 1, "be at least 0 and less than 1")
 
     def Advances(self, driving):
-        """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take."""
+        """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take.
+
+        Parameters
+        ----------
+        driving : (n,) array
+            The driving factors of the tips that grow.
+
+        Returns
+        -------
+        (advances, cycles)
+            Lengths, and a number of cycles.
+        """
         rates = self.C * ((1 - self.ratio) * np.asarray(driving)) ** self.m
         cycles = self.da / rates.max()
         return rates * cycles, float(cycles)
@@ -96,8 +173,16 @@ class Paris:
 class TipStep:
     """One tip in one state of the cracks.
 
-    length, K_I, K_II, error, driving: of this state.    cycles: that led to it; 0 at first.
-    angle, advance: where the tip goes from here, in degrees from ahead and in length.    state: "grows", or why it does not.
+    Attributes
+    ----------
+    length, K_I, K_II, error, driving
+        Of this state.
+    cycles
+        That led to it; 0 at first.
+    angle, advance
+        Where the tip goes from here, in degrees from ahead and in length.
+    state
+        "grows", or why it does not.
     """
 
     step: int
@@ -119,17 +204,36 @@ class TipStep:
 class CrackGrowth:
     """Solves, evaluates K at every tip and lets the cracks grow, again and again; the mesh never changes.
 
-    make_problem: function of a list of cracks that returns the ContactProblem on the one mesh, loads included.
-    cracks: the first cracks, a list of Crack.    law: GivenIncrement(da) or Paris(C, m, da).
-    criterion: MaximumHoopStress() or WingCracks(), or an object with grows_closed, Angle and Driving.
-    toughness: tips with less Driving stay as they are, in stress × √length; default 0.
-    da should be three elements or more, AccuracyWarning says where it is less: behind a turn the tip's functions have room on the new part only.
-    A turn that the error of K_II may have made is none: the tip goes straight on, without a kink.
-    A tip that comes within 2.5 elements of ∂Ω cuts through to it; where that leaves a part of the body free to move, the growth ends.
-    Every state is solved from the unloaded body: friction has no memory of the states before.
+    Parameters
+    ----------
+    make_problem
+        Function of a list of cracks that returns the ContactProblem on the one mesh, loads included.
+    cracks
+        The first cracks, a list of Crack.
+    law
+        GivenIncrement(da) or Paris(C, m, da).
+    criterion
+        MaximumHoopStress() or WingCracks(), or an object with grows_closed, Angle and Driving.
+    toughness
+        Tips with less Driving stay as they are, in stress × √length; default 0.
 
-    cracks: those of the last rows.    rows: a TipStep for each tip of each state, at the end of those that cut through.
-    solutions: of the states.    cycles: that led to the last one.
+    Attributes
+    ----------
+    cracks
+        Those of the last rows.
+    rows
+        A TipStep for each tip of each state, at the end of those that cut through.
+    solutions
+        Of the states.
+    cycles
+        That led to the last one.
+
+    Notes
+    -----
+    da should be three elements or more, AccuracyWarning says where it is less: behind a turn the tip's functions have room on the new part only. A turn
+    that the error of K_II may have made is none: the tip goes straight on, without a kink. A tip that comes within 2.5 elements of ∂Ω cuts through to it;
+    where that leaves a part of the body free to move, the growth ends. Every state is solved from the unloaded body: friction has no memory of the states
+    before.
     """
 
     def __init__(self, make_problem, cracks, law, criterion=MaximumHoopStress(), toughness=0.0):
@@ -149,7 +253,18 @@ class CrackGrowth:
         self._warned = False
 
     def Run(self, steps):
-        """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept."""
+        """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept.
+
+        Parameters
+        ----------
+        steps : int
+            The largest number of states.
+
+        Returns
+        -------
+        dict
+            The table.
+        """
         check_whole(steps, "CrackGrowth: steps", 0)
         for number in range(steps):
             with doing(f"crack growth, step {number + 1} of at most {steps}"):
@@ -283,7 +398,17 @@ class CrackGrowth:
         return "\n".join(lines)
 
     def SaveTable(self, path):
-        """Writes the table as CSV; returns the path. The file appears when it is complete."""
+        """Writes the table as CSV; returns the path. The file appears when it is complete.
+
+        Parameters
+        ----------
+        path : str
+            The file.
+
+        Returns
+        -------
+        str
+        """
         table = self.table
 
         def write(temporary):
@@ -293,7 +418,21 @@ class CrackGrowth:
         return write_whole(Path(path), write)
 
     def Animate(self, path, scale=None, seconds=0.5):
-        """Writes the opened body of every state as an animated GIF (needs matplotlib with pillow); returns the path."""
+        """Writes the opened body of every state as an animated GIF (needs matplotlib with pillow); returns the path.
+
+        Parameters
+        ----------
+        path : str
+            The file, .gif.
+        scale : float
+            Of the displacement; default: the largest is 5 % of the body.
+        seconds : float
+            For each state.
+
+        Returns
+        -------
+        str
+        """
         from ..pictures.plotting import animate
 
         if not self.solutions:

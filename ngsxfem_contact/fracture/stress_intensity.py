@@ -26,8 +26,14 @@ RADII = (1, 0.75, 0.5)  # of the disks that are compared, relative to the larges
 class StressIntensityFactors:
     """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip.  K_I, K_II = factors.
 
-    error: what K_I or K_II may be off, see `factor_error`; nan for other methods than the interaction integral.    by_radius: (n, 2), the values at `radii`.
-    modes: coefficients of the modes in the space (error O(h^{1/2}) for P1, O(h) for P2), or None.
+    Attributes
+    ----------
+    error
+        What K_I or K_II may be off, see `factor_error`; nan for other methods than the interaction integral.
+    by_radius
+        (n, 2), the values at `radii`.
+    modes
+        Coefficients of the modes in the space (error O(h^{1/2}) for P1, O(h) for P2), or None.
     """
 
     K_I: float
@@ -45,8 +51,14 @@ class StressIntensityFactors:
 class EnergyReleaseRate:
     """G in energy for each unit of new crack, at a growth straight ahead.  float(rate) is G.
 
-    G: of the J-integral, ½ I(u,u).    irwin: (κ+1)/(8μ) (K_I² + K_II²).
-    error: the largest change of G over by_radius, (n,), the values at `radii`, or the difference from irwin.
+    Attributes
+    ----------
+    G
+        Of the J-integral, ½ I(u,u).
+    irwin
+        (κ+1)/(8μ) (K_I² + K_II²).
+    error
+        The largest change of G over by_radius, (n,), the values at `radii`, or the difference from irwin.
     """
 
     G: float
@@ -63,7 +75,10 @@ class EnergyReleaseRate:
 class TStress:
     """The T-stress, the part of the stress along the crack that is constant at a tip.  float(t) is T.
 
-    error: the largest change of T over by_radius, (n,), the values at `radii`.
+    Attributes
+    ----------
+    error
+        The largest change of T over by_radius, (n,), the values at `radii`.
     """
 
     T: float
@@ -101,7 +116,10 @@ def solution_field(solution, frame):
 def given_stress(solution, frame):
     """The GivenStress of a solution, or None; its derivative is that of its projection onto polynomials on each element.
 
-    Raises ValueError for a stress that jumps near the tip, whose derivative is no function.
+    Raises
+    ------
+    ValueError
+        For a stress that jumps near the tip, whose derivative is no function.
     """
     given = solution.applied.stress
     if given is None:
@@ -142,8 +160,11 @@ def doubtful_traction(solution):
 def disks(frame, solution, radius):
     """The radii of the domains of integration: that given, or eight elements if there is room, and parts of it.
 
-    Raises ValueError if a disk leaves the body or the material of the tip, meets another crack, a point load or a loaded inner interface, or
-    has less than two elements in its radius.
+    Raises
+    ------
+    ValueError
+        If a disk leaves the body or the material of the tip, meets another crack, a point load or a loaded inner interface, or has less than two elements
+        in its radius.
     """
     solution.CheckLoad()
     room, limit = frame.Clearance(solution.problem.material, solution.applied.Obstacles(frame.tip.point) + solution.a.Obstacles(frame.tip.point))
@@ -165,13 +186,29 @@ class InteractionIntegral:
     """K_I, K_II from I(u, mode): the domain integral with body force and tractions of the lips.
 
     Where the faces press on each other at the tip (and there is no initial gap) K_I is 0; what the integral says of it is in `by_radius`.
-    radius: of the largest domain; default eight elements at the tip, less where there is no room.
+
+    Parameters
+    ----------
+    radius
+        Of the largest domain; default eight elements at the tip, less where there is no room.
     """
 
     radius: float | None = None
 
     def Evaluate(self, solution, tip):
-        """StressIntensityFactors of the largest domain, with their change over three and with the pressure."""
+        """StressIntensityFactors of the largest domain, with their change over three and with the pressure.
+
+        Parameters
+        ----------
+        solution : ContactSolution
+            What is evaluated.
+        tip : int
+            A number in `body.tips`.
+
+        Returns
+        -------
+        StressIntensityFactors
+        """
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
         u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
         integrals = [TipIntegral(solution.problem, frame, radius) for radius in radii]
@@ -194,7 +231,19 @@ class ModeCoefficients:
     """
 
     def Evaluate(self, solution, tip):
-        """Raises ValueError if the space has no modes at the tip."""
+        """Raises ValueError if the space has no modes at the tip.
+
+        Parameters
+        ----------
+        solution : ContactSolution
+            What is evaluated.
+        tip : int
+            A number in `body.tips`.
+
+        Returns
+        -------
+        StressIntensityFactors
+        """
         modes = mode_coefficients(solution, tip)
         if modes is None:
             raise ValueError(f"StressIntensity: the space has no modes at tip {tip}; build it with tip=TipEnrichment(material=material, functions='modes')")
@@ -204,7 +253,13 @@ class ModeCoefficients:
 
 @dataclass(frozen=True)
 class JumpExtrapolation:
-    """K_I, K_II from jump/√r = A + B r, least squares from half an element to eight elements behind the tip."""
+    """K_I, K_II from jump/√r = A + B r, least squares from half an element to eight elements behind the tip.
+
+    Parameters
+    ----------
+    points : int
+        At which the jump is taken.
+    """
 
     points: int = 40
 
@@ -212,7 +267,19 @@ class JumpExtrapolation:
         check_whole(self.points, "JumpExtrapolation: points", 2)
 
     def Evaluate(self, solution, tip):
-        """Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent."""
+        """Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent.
+
+        Parameters
+        ----------
+        solution : ContactSolution
+            What is evaluated.
+        tip : int
+            A number in `body.tips`.
+
+        Returns
+        -------
+        StressIntensityFactors
+        """
         if solution.problem.V.tip_specs[tip] is None:
             raise ValueError(f"StressIntensity: the space has no functions at tip {tip}, so the jump there is wrong; use method='interaction'")
         frame, body, material = TipFrame(solution.body, tip), solution.body, material_at(solution, tip)

@@ -14,8 +14,11 @@ SIDE = {"plus": 1, "minus": -1}
 def half_angle(X, Y, r, side=None):
     """√r cos(θ/2), √r sin(θ/2), θ the angle of (X, Y).
 
-    side: None for θ in (-π, π]; otherwise ±1, which of the two sides of the cut a point with X < 0 belongs to: the cut
-    may be any curve that leaves the origin at θ = π.
+    Parameters
+    ----------
+    side
+        None for θ in (-π, π]; otherwise ±1, which of the two sides of the cut a point with X < 0 belongs to: the cut may be any curve that leaves the
+        origin at θ = π.
     """
     large = sqrt(0.5 * (r + IfPos(X, X, -X)))
     small = 0.5 * IfPos(Y, Y, -Y) / large
@@ -75,7 +78,11 @@ class TipFrame:
     def PointForceGradient(self, material):
         """∂_j u_i under a unit force ahead in the tip, the crack on θ = ±π: σ_rr = -cos θ / (π r) and no other stress.
 
-        It has one value on both lips.    Source: Cardew, Goldthorpe, Howard, Kfouri (1984).
+        It has one value on both lips.
+
+        References
+        ----------
+        Cardew, Goldthorpe, Howard, Kfouri (1984).
         """
         cos, sin, r = self.X / self.r, self.Y / self.r, self.r
         scale, kappa = 1 / (4 * pi * material.mu), material.kappa
@@ -87,8 +94,12 @@ class TipFrame:
     def Clearance(self, material=None, obstacles=()):
         """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
 
-        material: with that of several regions also of the regions that are not of the tip's material.
-        obstacles: further pairs (distance, what).
+        Parameters
+        ----------
+        material
+            With that of several regions also of the regions that are not of the tip's material.
+        obstacles
+            Further pairs (distance, what).
         """
         point, crack = np.array(self.tip.point), self.crack
         found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]

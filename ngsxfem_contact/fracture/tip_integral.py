@@ -32,7 +32,12 @@ class TipField:
     """Gradients and stresses (key None: inside, "plus", "minus": on the lips), tractions on the lips, ∫ f·field as a
     function of a field and elements or None, and a GivenStress or None.
 
-    stress: C:ε(u), without the given part.    traction: of the whole stress, σn.
+    Parameters
+    ----------
+    stress
+        C:ε(u), without the given part.
+    traction
+        Of the whole stress, σn.
     """
 
     gradient: dict

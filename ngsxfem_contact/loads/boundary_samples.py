@@ -10,8 +10,15 @@ AT = 1e-8  # of an edge: a mouth nearer to a vertex is at the vertex
 class BoundarySamples:
     """The two ends of each boundary element and, beside them, a point on either side of each mouth.
 
-    Arrays, one row for each point: element, xi (reference coordinate), region, vertex (-1 for points beside mouths), mouth (its number, or -1) and
-    side (±1 beside mouths).    mouths: (number of the crack, arc length) of each.    length: of the boundary elements.
+    Arrays, one row for each point: element, xi (reference coordinate), region, vertex (-1 for points beside mouths), mouth (its number, or -1) and side
+    (±1 beside mouths).
+
+    Attributes
+    ----------
+    mouths
+        (number of the crack, arc length) of each.
+    length
+        Of the boundary elements.
     """
 
     def __init__(self, body):
@@ -65,7 +72,10 @@ class BoundarySamples:
     def NormalJumps(self, sides):
         """The normal jump n·(u⁺ - u⁻) that is given at each mouth; NaN where it is not given on both faces.
 
-        sides: (region, component) → HeldSide.
+        Parameters
+        ----------
+        sides
+            (region, component) → HeldSide.
         """
         jumps = np.zeros(len(self.mouths))
         for number, (crack, s) in enumerate(self.mouths):

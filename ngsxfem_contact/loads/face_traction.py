@@ -42,7 +42,10 @@ class FaceTractions:
 class Joint:
     """Terms ∫ v^s·M_{st} u^t over the cracks, s, t ∈ {⁺, ⁻}: they act on the faces with t^s = -Σ_t M_{st} u^t.
 
-    terms: core.FormTerms in Plus, Minus or Jump of trial and test functions.
+    Parameters
+    ----------
+    terms
+        Core.FormTerms in Plus, Minus or Jump of trial and test functions.
     """
 
     def __init__(self, terms):
@@ -68,7 +71,13 @@ class Joint:
 class ComparedTraction:
     """R_h: the linear part of what the multipliers are compared with.
 
-    material: Elasticity.    joint: Joint, or None.    sides: weights by side, {"larger": 1} for R_h of (12).
+    Parameters
+    ----------
+    material : Elasticity
+    sides
+        Weights by side, {"larger": 1} for R_h of (12).
+    joint
+        Joint, or None.
     """
 
     body: core.CrackedMesh

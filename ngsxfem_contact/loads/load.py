@@ -29,9 +29,20 @@ SIDES = ("minus", "larger", "plus")
 class LoadForm(LinearForm):
     """L(v) = ∫f·v + ∫g·v + ...: an NGSolve LinearForm that knows what was added to it.
 
-    V: CrackFESpace.    form += force*v*body.dx, v a test function of V; also v[1](x, y), a point load.
-    Terms over body.dcrack in Plus(v), Minus(v), Jump(v) are tractions of the faces; terms in Grad(v) are given stresses, -∫σ⁰:∇v.
-    Raises TypeError and ValueError for what has no meaning here, see `terms.checked_terms`, and for trial functions.
+    Parameters
+    ----------
+    V : CrackFESpace
+
+    Raises
+    ------
+    TypeError
+    ValueError
+        For what has no meaning here, see `terms.checked_terms`, and for trial functions.
+
+    Notes
+    -----
+    form += force*v*body.dx, v a test function of V; also v[1](x, y), a point load. Terms over body.dcrack in Plus(v), Minus(v), Jump(v) are tractions of
+    the faces; terms in Grad(v) are given stresses, -∫σ⁰:∇v.
     """
 
     def __init__(self, V):
@@ -80,7 +91,13 @@ class PointLoad:
 
 
 class GivenTerm:
-    """One integral of a load. tractions: what it does on the faces, or None.    stress: the given stress σ⁰ that it is, or None."""
+    """One integral of a load. tractions: what it does on the faces, or None.
+
+    Attributes
+    ----------
+    stress
+        The given stress σ⁰ that it is, or None.
+    """
 
     def __init__(self, term):
         self.term, self.form, self.place = term, term.form, place_of(term)
@@ -197,8 +214,18 @@ def inner_interface(term):
 class StiffnessForm:
     """Bilinear terms beside ∫σ(u):ε(v): springs on ∂Ω, a foundation in the body, elastic joints on the cracks.
 
-    V: CrackFESpace.    form += k*u*v*body.ds("bottom") or k*Jump(u)*Jump(v)*body.dcrack, u, v of V.TnT().
-    Raises as LoadForm, and ValueError for terms that are not symmetric and for terms in gradients.
+    Parameters
+    ----------
+    V : CrackFESpace
+
+    Raises
+    ------
+    ValueError
+        For terms that are not symmetric and for terms in gradients.
+
+    Notes
+    -----
+    form += k*u*v*body.ds("bottom") or k*Jump(u)*Jump(v)*body.dcrack, u, v of V.TnT().
     """
 
     def __init__(self, V):
@@ -212,12 +239,28 @@ class StiffnessForm:
         return self
 
     def AddTo(self, form):
-        """Adds the terms to an NGSolve BilinearForm."""
+        """Adds the terms to an NGSolve BilinearForm.
+
+        Parameters
+        ----------
+        form : BilinearForm
+            What the terms are added to.
+        """
         for term in self.terms:
             form += term.form
 
     def Forces(self, u):
-        """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body."""
+        """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body.
+
+        Parameters
+        ----------
+        u : GridFunction
+            The displacement.
+
+        Returns
+        -------
+        (ndof,) array
+        """
         operator = lambda name: u if name == "Id" else u.Operator(name)
         form = LinearForm(self.V)
         for term in self.terms:
@@ -231,13 +274,29 @@ class StiffnessForm:
         return copy
 
     def BodyForce(self, u, field, elements):
-        """∫ f·field over some elements (BitArray), f what foundations in the body exert for a GridFunction u."""
+        """∫ f·field over some elements (BitArray), f what foundations in the body exert for a GridFunction u.
+
+        Parameters
+        ----------
+        u : GridFunction
+            The displacement.
+        field : CoefficientFunction
+            In the place of the test function.
+        elements : BitArray
+            On which elements.
+        """
         of = lambda term: replaced(term.trial, {"Id": u}.get) | replaced(term.test, {"Id": field}.get)
         bulk = [term.form.Replace(of(term)) for term in self.terms if place_of(term) == "bulk"]
         return -sum(Integrate(core.InnerIntegrals(form, elements), self.V.mesh) for form in bulk)
 
     def Obstacles(self, point):
-        """What a domain of integration around a point must not meet: inner interfaces on springs."""
+        """What a domain of integration around a point must not meet: inner interfaces on springs.
+
+        Parameters
+        ----------
+        point : (x, y)
+            From where the distances are.
+        """
         ends = [inner_interface(term) for term in self.terms if place_of(term) == "boundary"]
         return [(distance_to_segments(a, b, np.asarray(point)), "an inner interface on springs") for a, b in ends]
 

@@ -11,8 +11,16 @@ from ngsolve import BND, ElementId, GridFunction, x, y
 class Holder:
     """What fixes some functions φ_i.
 
-    name: of the boundary, or "pin at (x, y)".    dofs: unknowns of φ_i.    shares: which part of the force on each is this one's; those of all holders add
-    up to 1.    point: of a pin.
+    Attributes
+    ----------
+    name
+        Of the boundary, or "pin at (x, y)".
+    dofs
+        Unknowns of φ_i.
+    shares
+        Which part of the force on each is this one's; those of all holders add up to 1.
+    point
+        Of a pin.
     """
 
     name: str
@@ -29,7 +37,16 @@ class Holder:
 class SupportForce:
     """What one support exerts on the body.
 
-    name: of the boundary, or "pin at (x, y)".    force: (F_x, F_y), stress × length.    moment: about the origin, stress × length².    point: of a pin.
+    Attributes
+    ----------
+    name
+        Of the boundary, or "pin at (x, y)".
+    force
+        (F_x, F_y), stress × length.
+    moment
+        About the origin, stress × length².
+    point
+        Of a pin.
     """
 
     name: str
@@ -69,7 +86,14 @@ class SupportForces(list):
 class CornerEdge:
     """An edge of a named boundary at a vertex where it meets another one.
 
-    normal: of the body, outward, as long as the edge.    element: the triangle behind it.    xi, eta: reference coordinates of the point at a third of the edge.
+    Parameters
+    ----------
+    normal
+        Of the body, outward, as long as the edge.
+    element
+        The triangle behind it.
+    xi, eta
+        Reference coordinates of the point at a third of the edge.
     """
 
     name: str
@@ -84,8 +108,14 @@ class CornerEdge:
 class SupportResidual:
     """What supports exert on a solution of (38).
 
-    holders, edges: what held it, and CornerEdges.    exerted: on each unknown, (K - K_γ) U - (B - C_γ)ᵀ L - F.
-    springs: what the terms of problem.a exert.
+    Parameters
+    ----------
+    holders, edges
+        What held it, and CornerEdges.
+    exerted
+        On each unknown, (K - K_γ) U - (B - C_γ)ᵀ L - F.
+    springs
+        What the terms of problem.a exert.
     """
 
     holders: list

@@ -21,8 +21,14 @@ TOLERANCE = 1e-5  # of the largest given displacement: what differs by less at o
 class HeldSide:
     """One component of u on one boundary region.
 
-    dofs, values: unknowns that are fixed, and their values.    samples: the given function at the rows of BoundarySamples.
-    explicit: given by SetDirichlet; else it is zero because the space declares it.
+    Parameters
+    ----------
+    dofs, values
+        Unknowns that are fixed, and their values.
+    samples
+        The given function at the rows of BoundarySamples.
+    explicit
+        Given by SetDirichlet; else it is zero because the space declares it.
     """
 
     dofs: np.ndarray
@@ -34,8 +40,16 @@ class HeldSide:
 class Supports:
     """What holds a body, and where: the data behind ContactProblem.Pin and SetDirichlet.
 
-    given: GridFunction, the displacement where it is fixed.    free: BitArray of the unknowns that are not.
-    sides: (region, component) → HeldSide.    pins: unknown → (vertex, component, value).
+    Attributes
+    ----------
+    given
+        GridFunction, the displacement where it is fixed.
+    free
+        BitArray of the unknowns that are not.
+    sides
+        (region, component) → HeldSide.
+    pins
+        Unknown → (vertex, component, value).
     """
 
     def __init__(self, V):
@@ -190,7 +204,14 @@ class Supports:
     def CheckOverlap(self, jumps, gap, scale):
         """Raises ValueError where given normal jumps push the faces of a mouth through each other.
 
-        jumps: as NormalJumps, or multiples.    gap: g_0, a CoefficientFunction.    scale: the largest given displacement.
+        Parameters
+        ----------
+        jumps
+            As NormalJumps, or multiples.
+        gap
+            g_0, a CoefficientFunction.
+        scale
+            The largest given displacement.
         """
         body = self.V.body
         for (crack, s), jump in zip(self.samples.mouths, jumps):

@@ -26,8 +26,13 @@ def place_of(term):
 def checked_terms(form, V, name):
     """The core.FormTerms of a form on V.
 
-    Raises TypeError for what is no sum of integrals, ValueError for a measure of NGSolve or of another body, functions of another space,
-    NGSolve's normal vector where it is zero, and operators that have no meaning on the measure.
+    Raises
+    ------
+    TypeError
+        For what is no sum of integrals.
+    ValueError
+        For a measure of NGSolve or of another body, functions of another space, NGSolve's normal vector where it is zero, and operators that have no
+        meaning on the measure.
     """
     if not isinstance(form, (comp.SumOfIntegrals, comp.Integral)):
         raise TypeError(f"{name}: {form!r} is no symbolic form such as force*v*body.dx, v a test function of the problem's V")

@@ -62,8 +62,25 @@ def shown_values(solution, split, field=None):
 def plot_body(solution, ax=None, scale=None, field=None, label="von Mises stress"):
     """The deformed body, coloured by a scalar field, and the two lips of each crack; returns the axes.
 
-    scale: of the displacement; by default the largest is 5 % of the body's size.
-    field: CoefficientFunction such as `solution.stress[1, 1]`, with its label; by default the von Mises stress.
+    Parameters
+    ----------
+    solution : ContactSolution
+        What is drawn.
+    ax : Axes
+        Of matplotlib; default new ones.
+    scale
+        Of the displacement; by default the largest is 5 % of the body's size.
+    field
+        CoefficientFunction such as `solution.stress[1, 1]`, with its label; by default the von Mises stress.
+    label : str
+        Of the field.
+
+    Returns
+    -------
+    Axes
+
+    Notes
+    -----
     The colours leave out the least and the largest 2 % of the values.
     """
     split, u = split_displacement(solution)
@@ -93,7 +110,23 @@ PROFILES = {
 
 
 def plot_profile(solution, crack=0, ax=None, quantities=("pressure", "gap")):
-    """Quantities along a crack, the contact zone shaded: "pressure" -λ, "gap", "slip", "shear". ax: one axes for each. Returns them."""
+    """Quantities along a crack, the contact zone shaded.
+
+    Parameters
+    ----------
+    solution : ContactSolution
+        What is drawn.
+    crack : int
+        Number of the crack.
+    ax : Axes
+        One for each quantity; default new ones.
+    quantities : sequence of str
+        Of "pressure" -λ, "gap", "slip", "shear".
+
+    Returns
+    -------
+    array of Axes
+    """
     for quantity in quantities:
         if quantity not in PROFILES:
             raise ValueError(f"plot_profile: quantities={quantities!r}: {quantity!r} is not one of {list(PROFILES)}")
@@ -117,6 +150,17 @@ def plot_mesh(V, ax=None):
     """The mesh, the cracks, and what enriches the space: circles on vertices with a Heaviside function, the disks of the tips' functions.
 
     Triangles are light if some of their vertices are enriched, darker if all are. Returns the axes.
+
+    Parameters
+    ----------
+    V : CrackFESpace
+        Whose mesh, cracks and functions are drawn.
+    ax : Axes
+        Of matplotlib; default new ones.
+
+    Returns
+    -------
+    Axes
     """
     body = V.body
     ax = ax or pyplot().subplots(layout="constrained")[1]
@@ -143,6 +187,18 @@ def save_vtk(solution, path):
     """Writes displacement, stresses and side on the split mesh as .vtu (ending added if missing); returns the file's name.
 
     The file appears when it is complete: an interrupted run, or a full disk (OSError), leaves none, or the one before.
+
+    Parameters
+    ----------
+    solution : ContactSolution
+        What is written.
+    path : str
+        The ending .vtu is added if it is missing.
+
+    Returns
+    -------
+    str
+        The name of the file.
     """
     path = Path(path)
     if not path.name:
@@ -161,9 +217,16 @@ def save_vtk(solution, path):
 def draw(solution, field=None, scale=None, **options):
     """ngsolve.webgui.Draw of a field on the deformed split mesh, the lips drawn as edges.
 
-    field: CoefficientFunction such as `solution.u` or `solution.stress[1, 1]`; by default the von Mises stress.
-    scale: of the displacement; by default the largest is 5 % of the body's size.
-    options: of ngsolve.webgui.Draw, such as filename="u.html", min=0, max=1, settings={"Objects": {"Wireframe": True}}.
+    Parameters
+    ----------
+    solution : ContactSolution
+        What is drawn.
+    field
+        CoefficientFunction such as `solution.u` or `solution.stress[1, 1]`; by default the von Mises stress.
+    scale
+        Of the displacement; by default the largest is 5 % of the body's size.
+    **options
+        Of ngsolve.webgui.Draw, such as filename="u.html", min=0, max=1, settings={"Objects": {"Wireframe": True}}.
     """
     from ngsolve.webgui import Draw
 

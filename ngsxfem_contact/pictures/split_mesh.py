@@ -18,11 +18,26 @@ PULL = 0.05  # stresses are taken this part of the way from a corner to the tria
 class SplitMesh:
     """The mesh of a body's pictures: conforming triangles, none of them crossed by a crack.
 
-    body: CrackedMesh.    subdivision: how often each triangle is divided into four.
-    points (N,2): those on a crack twice, once for each lip, but tips once.    triangles (M,3): counterclockwise.
-    element (M,): the element of body.mesh that holds the triangle.    side (M,): 1 plus, -1 minus, 0 away from the cracks.
-    point_side (N,): the lip of a doubled point, 0 for other points.
-    lips (L,2), lip_side (L,), lip_crack (L,): the edges on the cracks, each once for each lip.
+    Parameters
+    ----------
+    body : CrackedMesh
+    subdivision
+        How often each triangle is divided into four.
+
+    Attributes
+    ----------
+    points (N,2)
+        Those on a crack twice, once for each lip, but tips once.
+    triangles (M,3)
+        Counterclockwise.
+    element (M,)
+        The element of body.mesh that holds the triangle.
+    side (M,)
+        1 plus, -1 minus, 0 away from the cracks.
+    point_side (N,)
+        The lip of a doubled point, 0 for other points.
+    lips (L,2), lip_side (L,), lip_crack (L,)
+        The edges on the cracks, each once for each lip.
     """
 
     def __init__(self, body, subdivision=0):
@@ -244,8 +259,8 @@ def twin_edges(triangles):
 def crack_edges(cracks, points, triangles, carried, tolerance):
     """Edges (L,) on a crack, corners (L,2) that give the values at their ends, their cracks (L,), and the sides (L,) of their triangles.
 
-    carried (M, cracks): whether a triangle's element carries a crack. Limits on a crack are defined in elements that carry it:
-    where it runs along edges, the neighbour may carry another crack, to which Plus and Minus would refer.
+    carried (M, cracks): whether a triangle's element carries a crack. Limits on a crack are defined in elements that carry it: where it runs along edges,
+    the neighbour may carry another crack, to which Plus and Minus would refer.
     """
     first, second = twin_edges(triangles)
     near = (carried[first // 3] | carried[second // 3]).any(axis=1)

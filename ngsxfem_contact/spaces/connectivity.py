@@ -26,10 +26,18 @@ def sides_of_parts(parts):
 class VertexCopies:
     """A vertex whose function is enriched has a copy on each side of the crack; the others have one.
 
-    corners: (n, 3), the copies at the corners of each piece, an element or what a crack leaves of it on one side.    labels: (n,) the part of the body to
-    which it belongs: pieces are joined where they share two copies, an edge; one copy alone is a hinge.    parts: their number.
-    index: (vertex, sides) → copy, where sides are the signs with respect to the cracks that enrich the vertex; a vertex that none enriches is its
-    own copy.    vertex: (copies,) the vertex of each.
+    Attributes
+    ----------
+    corners
+        (n, 3), the copies at the corners of each piece, an element or what a crack leaves of it on one side.
+    labels
+        (n,) the part of the body to which it belongs: pieces are joined where they share two copies, an edge; one copy alone is a hinge.
+    parts
+        Their number.
+    index
+        (vertex, sides) → copy, where sides are the signs with respect to the cracks that enrich the vertex; a vertex that none enriches is its own copy.
+    vertex
+        (copies,) the vertex of each.
     """
 
     def __init__(self, V):
@@ -96,7 +104,17 @@ def parts_joined_by_edges(corners, copies):
 
 @dataclass
 class FreeMotion:
-    """number: of free rigid motions.    centre: of the part that moves.    hinges: points (n, 2) at which it hangs on others.    parts: of the body."""
+    """number: of free rigid motions.
+
+    Parameters
+    ----------
+    centre
+        Of the part that moves.
+    hinges
+        Points (n, 2) at which it hangs on others.
+    parts
+        Of the body.
+    """
 
     number: int
     centre: np.ndarray
@@ -141,7 +159,15 @@ class RigidMotions:
         return np.concatenate(unknowns), np.concatenate(rows)
 
     def Constraints(self, fixed, springs):
-        """What must vanish, as a matrix on the motions.  fixed: the unknowns of V that are, a boolean array.    springs: a StiffnessForm."""
+        """What must vanish, as a matrix on the motions.
+
+        Parameters
+        ----------
+        fixed
+            The unknowns of V that are, a boolean array.
+        springs
+            A StiffnessForm.
+        """
         unknowns, rows = self.Coefficients()
         hinges = [self.Rows(self.hinges, k) - self.Rows(self.hinges + 1, k) for k in range(2)]
         return np.concatenate([*hinges, rows[fixed[unknowns]], self._of_springs(springs, unknowns, rows)])

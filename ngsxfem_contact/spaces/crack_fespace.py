@@ -17,17 +17,35 @@ UNKNOWN = Elasticity.PlaneStrain(E=2.6, nu=0.3)  # μ = 1: the modes at a tip un
 class TipEnrichment:
     """χ F_j at a tip: the singular functions and the cut-off χ = 1 for r ≤ r0, 0 for r ≥ r1.
 
-    r1: default 0.9 × the largest possible radius: the tip's clearance (see `body.tips`), and the distance to curved
-        elements and, for the modes, to other materials.    r0: default r1 / 50.
-    cutoff: "quintic" (χ is C²) or "cubic" (C¹).
-    material: with an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress
-        intensity factors and whose lips are free of traction: 2 unknowns for each tip. Default: that of CrackFESpace(material=...).
-    functions: "modes", or "branch" for the four scalar functions (8) of [AHLMR12] in each component, 8 unknowns, whose lips carry
-        tractions: in contact pressures and K_I are less accurate. Default: modes; without a material those of the ContactProblem that is made of the space.
-    tolerance: of the integration rules around the tip, relative to the integral over an element. The default changes the
-        mean errors of energy and K by less than a hundredth of themselves (tests/contact/test_contact.py).
-    r0 and r1 are lengths.    Raises ValueError unless 0 <= r0 < r1 < inf, TypeError for a material that is none; CrackFESpace raises
-    for a disk that does not fit the body.
+    Parameters
+    ----------
+    r0
+        Default r1 / 50.
+    r1
+        Default 0.9 × the largest possible radius: the tip's clearance (see `body.tips`), and the distance to curved elements and, for the modes, to other
+        materials.
+    cutoff
+        "quintic" (χ is C²) or "cubic" (C¹).
+    material
+        With an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress intensity factors and
+        whose lips are free of traction: 2 unknowns for each tip. Default: that of CrackFESpace(material=...).
+    functions
+        "modes", or "branch" for the four scalar functions (8) of [AHLMR12] in each component, 8 unknowns, whose lips carry tractions: in contact
+        pressures and K_I are less accurate. Default: modes; without a material those of the ContactProblem that is made of the space.
+    tolerance
+        Of the integration rules around the tip, relative to the integral over an element. The default changes the mean errors of energy and K by less
+        than a hundredth of themselves (tests/contact/test_contact.py).
+
+    Raises
+    ------
+    ValueError
+        Unless 0 <= r0 < r1 < inf.
+    TypeError
+        For a material that is none; CrackFESpace raises for a disk that does not fit the body.
+
+    Notes
+    -----
+    r0 and r1 are lengths.
     """
 
     r0: float | None = None
@@ -53,7 +71,24 @@ class TipEnrichment:
         check_type(self.material, Isotropic | None, "TipEnrichment: material", "an Elasticity")
 
     def Spec(self, body, tip):
-        """What the space needs to know at one tip of `body.tips`. Raises ValueError for a disk that does not fit."""
+        """What the space needs to know at one tip.
+
+        Parameters
+        ----------
+        body : CrackedMesh
+            The body of the cracks.
+        tip : Tip
+            One of `body.tips`.
+
+        Returns
+        -------
+        TipSpec
+
+        Raises
+        ------
+        ValueError
+            For a disk that does not fit.
+        """
         material = None if self.functions == "branch" else self.material
         radius, limit = largest_disk(body, tip, material)
         r1 = 0.9 * radius if self.r1 is None else self.r1
@@ -69,7 +104,17 @@ class TipEnrichment:
         return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
 
     def With(self, material):
-        """The same with the modes of a material (or None), unless it has functions of its own."""
+        """The same with the modes of a material (or None), unless it has functions of its own.
+
+        Parameters
+        ----------
+        material : Elasticity or None
+            Whose modes are taken.
+
+        Returns
+        -------
+        TipEnrichment
+        """
         return self if self.material is not None or self.functions is not None else replace(self, material=material)
 
     @property
@@ -84,15 +129,40 @@ class CrackFESpace(core.CrackFESpace):
     N_H are the functions with completely cut support. They are stored as ½(H - s_i) φ_i, s_i the sign of the larger
     part of the support: the span is the same, b_i is the nodal jump, and thin parts do no harm.
 
-    body: CrackedMesh.    order: of φ_i, 1 or more.    bubble: with order 1 the cubic bubble of each triangle ("P1+"), with higher orders all
-        bubbles of degree order + 1, which nearly incompressible materials need; default: where the material is one and order > 1.
-    tip: TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
-    material: Elasticity (or Elasticity.ByRegion) of the body: the tips have its modes, and ContactProblem(V, W) takes it.
-    dirichlet: names (a regular expression) of the boundaries on which u is held.    dirichletx, dirichlety: of those on which that component is held:
-        rollers, planes of symmetry.    flags: orderinner, print as for NGSolve's H1.
-    Warns (AccuracyWarning) of tips without a material, of cracks of less than 2 elements for each tip, and of tips whose functions have less than 2 elements of room.
-    Raises TypeError or ValueError for an order that is no whole number ≥ 1, another number of tips than the body has, an unknown
-    boundary and other flags, Exception for a disk that leaves the body or meets another crack.    Source: section 3 of [AHLMR12], (6) to (8).
+    Parameters
+    ----------
+    body : CrackedMesh
+    order
+        Of φ_i, 1 or more.
+    tip
+        TipEnrichment for all tips, a list with one (or None) for each of `body.tips`, or None for no tip functions.
+    bubble
+        With order 1 the cubic bubble of each triangle ("P1+"), with higher orders all bubbles of degree order + 1, which nearly incompressible materials
+        need; default: where the material is one and order > 1.
+    dirichlet
+        Names (a regular expression) of the boundaries on which u is held.
+    dirichletx, dirichlety
+        Of those on which that component is held: rollers, planes of symmetry.
+    material
+        Elasticity (or Elasticity.ByRegion) of the body: the tips have its modes, and ContactProblem(V, W) takes it.
+    **flags
+        orderinner, print as for NGSolve's H1.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For an order that is no whole number ≥ 1, another number of tips than the body has, an unknown boundary and other flags.
+    Exception
+        For a disk that leaves the body or meets another crack.
+
+    Warns
+    -----
+    AccuracyWarning
+        Of tips without a material, of cracks of less than 2 elements for each tip, and of tips whose functions have less than 2 elements of room.
+
+    References
+    ----------
+    Section 3 of [AHLMR12], (6) to (8).
     """
 
     def __init__(self, body, order=1, tip=TipEnrichment(), bubble=None, dirichlet="", dirichletx="", dirichlety="", material=None, **flags):

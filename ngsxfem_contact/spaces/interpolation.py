@@ -11,10 +11,27 @@ from .unknowns import tip_unknowns
 def Interpolant(V, plus, minus=None, tips=()):
     """Π_h u: a_i = û^{s_i}(y_i), b_i = (û⁺ - û⁻)(y_i), and given coefficients for the tip functions.
 
-    plus, minus: û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two
-        components; minus=None: no jump.    tips: for each tip the coefficients of its functions.
-    Returns a GridFunction. With several cracks the same pair is used at each.
-    Raises ValueError for functions that are not finite or have not two components, and for a wrong number of coefficients.
+    Parameters
+    ----------
+    V : CrackFESpace
+        The space.
+    plus, minus
+        û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two components; minus=None: no jump.
+    tips
+        For each tip the coefficients of its functions.
+
+    Returns
+    -------
+    GridFunction
+
+    Raises
+    ------
+    ValueError
+        For functions that are not finite or have not two components, and for a wrong number of coefficients.
+
+    Notes
+    -----
+    With several cracks the same pair is used at each.
     """
     V.body.CheckMesh()
     scalar = V.scalar_space.ndof
@@ -80,8 +97,22 @@ def _side_of_nearest(cracks, point):
 def Projection(V, function, bonus_intorder=4):
     """The L²(Ω∖Γ_C) projection onto V, a GridFunction.
 
-    V: CrackFESpace.    function: CoefficientFunction with two components, which may jump across the cracks.    bonus_intorder: of the
-    rule for it, default 4.    Raises ValueError for a function that is not finite or has not two components.
+    Parameters
+    ----------
+    V : CrackFESpace
+    function
+        CoefficientFunction with two components, which may jump across the cracks.
+    bonus_intorder
+        Of the rule for it, default 4.
+
+    Returns
+    -------
+    GridFunction
+
+    Raises
+    ------
+    ValueError
+        For a function that is not finite or has not two components.
     """
     u, v = V.TnT()
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat

@@ -13,13 +13,29 @@ from ..points import crack_points
 class TraceSpace(core.TraceSpace):
     """W_h on the cracks: order 0 one constant for each interval, order ≥ 1 continuous.
 
-    basis="nodal" (default): Lagrange functions between the points where the crack meets mesh edges, its kinks and
-        ends; a nodal sign is a pointwise sign for order 1.
-    basis="trace": restrictions of mesh functions, redundant ones removed in the paper's two steps.
-    nodes: arc lengths from 0 to the crack's length, one list for each crack (one list, if there is one crack):
-        a multiplier on nodes of its own (H ≠ h). Integrate over `dcrack` of this space, which respects them.
-    Raises TypeError or ValueError for an order that is no whole number ≥ 0 and another basis, Exception for nodes that do not increase from
-    0 to the length of their crack.    Source: section 4 of [AHLMR12].
+    Parameters
+    ----------
+    body : CrackedMesh
+        The body of the cracks.
+    order : int
+        Of the functions, 0 or more.
+    basis : "nodal" or "trace"
+        "nodal" (default): Lagrange functions between the points where the crack meets mesh edges, its kinks and ends; a nodal sign is a pointwise sign
+        for order 1. "trace": restrictions of mesh functions, redundant ones removed in the paper's two steps.
+    nodes
+        Arc lengths from 0 to the crack's length, one list for each crack (one list, if there is one crack): a multiplier on nodes of its own (H ≠ h).
+        Integrate over `dcrack` of this space, which respects them.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For an order that is no whole number ≥ 0 and another basis.
+    Exception
+        For nodes that do not increase from 0 to the length of their crack.
+
+    References
+    ----------
+    Section 4 of [AHLMR12].
     """
 
     def __init__(self, body, order=1, basis="nodal", nodes=None):

@@ -22,10 +22,19 @@ KINK = (0.3, 0.02)
 class Shape:
     """A problem of this module.
 
-    pressure: an additional traction (0, -pressure) on the top and (0, pressure) on the bottom.
-    energy: ½a(u,u).    contact_force: ∫λ on each crack.    transitions: arc lengths at which contact begins or ends, on
-    each crack.    K: (K_I, K_II) at each tip. From boundary-fitted hp solutions (p = 7 to 10, graded meshes) that are
-    independent of this package; energies to 1e-10, forces to 1e-8, K to 1e-6, relative.
+    Parameters
+    ----------
+    pressure
+        An additional traction (0, -pressure) on the top and (0, pressure) on the bottom.
+    energy
+        ½a(u,u).
+    contact_force
+        ∫λ on each crack.
+    transitions
+        Arc lengths at which contact begins or ends, on each crack.
+    K
+        (K_I, K_II) at each tip. From boundary-fitted hp solutions (p = 7 to 10, graded meshes) that are independent of this package; energies to 1e-10,
+        forces to 1e-8, K to 1e-6, relative.
     """
 
     cracks: tuple
