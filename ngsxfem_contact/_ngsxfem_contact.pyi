@@ -162,10 +162,28 @@ class Crack:
         """
         The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
-            function: of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
-            tolerance: the energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a
-                smaller one costs pieces, tolerance^(-1/4).
-            Raises ValueError if max_pieces pieces do not reach the tolerance.
+            Parameters
+            ----------
+            function
+                Of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
+            t0 : float
+                Where the curve begins.
+            t1 : float
+                Where it ends.
+            tolerance
+                The energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a smaller one costs
+                pieces, tolerance^(-1/4).
+            max_pieces : int
+                The largest number of cubics.
+
+            Returns
+            -------
+            Crack
+
+            Raises
+            ------
+            ValueError
+                If max_pieces pieces do not reach the tolerance.
 
         """
 
@@ -186,12 +204,32 @@ class Crack:
         """
         The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
-            The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline
-            through some of them deviates from φ = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below
-            what they resolve. Straight ones become segments.
-            The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
-            Raises ValueError if there is no or more than one branch, a closed one, or if the tolerance is not reached:
-            zero sets of P_k functions have kinks on the mesh's edges, so ask for a tolerance that fits them.
+            The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline through some of them deviates from φ
+            = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below what they resolve. Straight ones become
+            segments. The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
+
+            Parameters
+            ----------
+            mesh : Mesh
+                Of NGSolve.
+            phi : CoefficientFunction or GridFunction
+                φ, zero on the crack.
+            psi : CoefficientFunction or GridFunction
+                ψ, negative on the crack; None: the crack goes on to ∂Ω.
+            tolerance : float
+                Relative to the length; default 1e-6 of the size of the elements that the crack meets.
+            max_points : int
+                The largest number of points of the spline.
+
+            Returns
+            -------
+            Crack
+
+            Raises
+            ------
+            ValueError
+                If there is no or more than one branch, a closed one, or if the tolerance is not reached: zero sets of P_k functions have kinks on the mesh's
+                edges, so ask for a tolerance that fits them.
 
         """
 
@@ -206,8 +244,23 @@ class Crack:
         """
         The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
 
-            ends: "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
-            Raises ValueError for repeated points, Exception for a curve that meets itself.
+            Parameters
+            ----------
+            points : (n, 2)
+                Two give a segment.
+            ends
+                "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
+
+            Returns
+            -------
+            Crack
+
+            Raises
+            ------
+            ValueError
+                For repeated points.
+            Exception
+                For a curve that meets itself.
 
         """
 
