@@ -7,8 +7,8 @@ from ngsolve import BilinearForm, GridFunction, LinearForm
 from scipy.sparse import block_diag, csr_matrix, vstack
 
 from .. import _ngsxfem_contact as core
-from ..algebra.matrices import to_scipy
-from ..spaces.incompressible import stress_power
+from ..algebra.matrices import assembled, mask
+from ..spaces.incompressible import add_stress_power
 
 
 @dataclass
@@ -39,6 +39,7 @@ class ContactSystem:
     def __init__(self, problem):
         self.problem, self.components = problem, problem.friction.components
         self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
+        self.numbers = np.flatnonzero(mask(problem.body.CrackElements(None)))
         self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()
         self._assemble(problem)
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
@@ -54,7 +55,7 @@ class ContactSystem:
         mass = csr_matrix((W.ndof, W.ndof))
         if self.gamma is not None:
             stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
-            mass = to_scipy(BilinearForm(self.gamma * lam * mu * self.dcrack).Assemble().mat)
+            mass = assembled(BilinearForm(self.gamma * lam * mu * self.dcrack), self.numbers)
         self.nodes, self.stiffness = W, stiffness.Assemble().mat
         self.E = vstack([self._coupling(problem, component) for component in self.components], format="csr")
         self.D = block_diag([mass] * len(self.components), format="csr")
@@ -68,7 +69,7 @@ class ContactSystem:
         coupling += -mu * component.jump(u, problem.body) * self.dcrack
         if self.gamma is not None:
             coupling += -self.gamma * mu * self.traction.Summed(u, component) * self.dcrack
-        return to_scipy(coupling.Assemble().mat)
+        return assembled(coupling, self.numbers)
 
     def CheckCone(self, cone):
         """Raises ValueError for a cone that does not go with the system; a multiplier may have any."""
@@ -128,8 +129,7 @@ class ContactSystem:
 
 def stiffness_form(problem):
     """a(u, v) with the terms of problem.a, not assembled."""
-    u, v = problem.V.TnT()
     form = core.CrackBilinearForm(problem.V, symmetric=True)
-    form += stress_power(problem.material, u, v) * problem.body.dx
+    add_stress_power(form, problem.material, problem.body.dx)
     problem.a.AddTo(form)
     return form

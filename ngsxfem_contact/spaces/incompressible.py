@@ -7,7 +7,7 @@ singular part s of the divergence of the tips' modes is left as it is. a(u, v) =
 
 from dataclasses import dataclass
 
-from ngsolve import VOL, ElementId, Id, IfPos, InnerProduct, Trace
+from ngsolve import VOL, CoefficientFunction, ElementId, Id, IfPos, InnerProduct, Trace
 
 from .. import _ngsxfem_contact as core
 from ..errors import warn
@@ -65,6 +65,15 @@ def stress_power(material, u, v, pressure=None):
         return InnerProduct(material.Stress(Strain(u)), Strain(v))
     more = 0 if pressure is None else pressure.At(None) / IfPos(material.lam, material.lam, 1)
     return material.lam * (dilatation(material, u) + more) * (dilatation(material, v) + more) + 2 * material.mu * InnerProduct(Strain(u), Strain(v))
+
+
+def add_stress_power(form, material, measure):
+    """Adds ∫ stress_power over a measure of the body to a bilinear form on a CrackFESpace."""
+    V = form.space
+    if is_projected(V, material):
+        form += stress_power(material, *V.TnT()) * measure
+    else:
+        form += core.StressPower(V, CoefficientFunction(material.lam), CoefficientFunction(material.mu), measure)
 
 
 def warn_of_locking(V, material, stabilisation):
