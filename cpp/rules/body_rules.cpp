@@ -98,6 +98,7 @@ namespace ngsxfem_contact
       {
         double det = 2*Area(map.Corners());
         IntegrationRule ir;
+        ir.SetAllocSize(points.size());
         for (auto & [p, weight] : points)
           {
             Point reference = map.Reference(p);
