@@ -126,6 +126,7 @@ namespace ngsxfem_contact
       {
         ElementMap map(mesh, element);
         PointRule points;
+        points.reserve(2048);                                // near a tip
         if (auto cut = body.Find(element))
           {
             auto belongs = [&] (const ElementPart & part)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BilinearForm, GridFunction, LinearForm
+from ngsolve import BilinearForm, GridFunction, LinearForm, Parameter
 from scipy.sparse import block_diag, csr_matrix, vstack
 
 from .. import _ngsxfem_contact as core
@@ -76,6 +76,8 @@ class ContactSystem:
 
     def InitialGap(self, problem):
         """∫ψ_i g_0."""
+        if isinstance(problem.gap, Parameter):
+            return problem.gap.Get() * self.weights[: problem.W.ndof]
         mu = problem.W.TestFunction()
         return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
 
