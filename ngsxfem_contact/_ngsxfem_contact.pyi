@@ -23,6 +23,7 @@ __all__: list[str] = [
     "Domain",
     "ElementKind",
     "ElementLocation",
+    "ElementMatrices",
     "ElementPart",
     "EndKind",
     "FormTerm",
@@ -35,6 +36,7 @@ __all__: list[str] = [
     "PointOf",
     "SchurComplement",
     "Side",
+    "StressPower",
     "TermsOf",
     "Tip",
     "TipBasis",
@@ -833,6 +835,11 @@ class CrackFESpace(ngsolve.comp.FESpace):
     same for y, the tips.
     """
 
+    def BoundaryDofs(self) -> list[tuple[numpy.ndarray, numpy.ndarray]]:
+        """
+        For each boundary region two arrays: the unknowns of either component with a trace on it.
+        """
+
     def Heaviside(self, j: int) -> tuple[int, int]:
         """
         (i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.
@@ -1085,6 +1092,12 @@ def BorderedMatrix(
     Upper triangle of [A, K^T; K, 0], A on the inner unknowns, in CSR format: (first, column, value). K in CSC format.
     """
 
+def ElementMatrices(form: ngsolve.comp.BilinearForm, elements: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    """
+    (matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the
+    numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1.
+    """
+
 def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
     """
     The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).
@@ -1114,6 +1127,13 @@ def SchurComplement(
 ) -> numpy.typing.NDArray[numpy.float64]:
     """
     K inv(A) K^T, dense, from sparsecholesky factors of A and K in CSC format.
+    """
+
+def StressPower(
+    space: CrackFESpace, lam: ngsolve.fem.CoefficientFunction, mu: ngsolve.fem.CoefficientFunction, measure: CutDifferentialSymbol
+) -> ngsolve.fem.BFI:
+    """
+    ∫ σ(u):ε(v) for a bilinear form on a CrackFESpace, σ = lam tr(ε) I + 2 mu ε: an integrator for form += ..., the same as the symbolic form, assembled faster.
     """
 
 def TermsOf(form: ngsolve.comp.SumOfIntegrals) -> list[FormTerm]:

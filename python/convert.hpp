@@ -7,6 +7,7 @@
 #include <python_comp.hpp>
 #include "spaces/crack_fespace.hpp"
 #include "spaces/crack_bilinearform.hpp"
+#include "spaces/stress_power.hpp"
 #include "spaces/trace_space.hpp"
 #include "forms/cut_integral.hpp"
 #include "forms/crack_normal.hpp"

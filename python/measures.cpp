@@ -1,6 +1,7 @@
 #include "convert.hpp"
 #include <pybind11/numpy.h>
 #include "forms/form_terms.hpp"
+#include "forms/element_matrices.hpp"
 
 using namespace ngsxfem_contact;
 using namespace ngfem;
@@ -63,8 +64,20 @@ void ExportFormTerms (py::module & m)
         py::arg("functional"), "The point (x, y) of an evaluation such as v(x, y) in a linear form.");
 }
 
+static py::tuple MatricesOfElements (const ngcomp::BilinearForm & form, py::array_t<int, py::array::c_style | py::array::forcecast> elements)
+{
+  auto all = MatricesOf(form, ngcore::FlatArray<int>(elements.size(), elements.mutable_data()));
+  size_t n = elements.size();
+  return py::make_tuple(py::array_t<double>({ n, all.height, all.width }, all.values.Data()),
+                        py::array_t<int>({ n, all.height }, all.rows.Data()), py::array_t<int>({ n, all.width }, all.columns.Data()));
+}
+
 void ExportMeasures (py::module & m)
 {
+  m.def("ElementMatrices", &MatricesOfElements, py::arg("form"), py::arg("elements"),
+        "(matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the\n"
+        "numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1.");
+
   m.def("Variation", &MakeVariation, py::arg("form"),
         "An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve.");
 

@@ -1,4 +1,5 @@
 #include "convert.hpp"
+#include <pybind11/numpy.h>
 
 using namespace ngsxfem_contact;
 using namespace ngcomp;
@@ -65,6 +66,13 @@ static void ExportCrackFESpace (py::module & m)
     .def("HeavisideSide", &CrackFESpace::HeavisideSide, py::arg("j"), py::arg("element"),
          "The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere.")
     .def("HeavisideDof", &CrackFESpace::HeavisideDof, py::arg("j"), py::arg("component"), "The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y).")
+    .def("BoundaryDofs", [] (const CrackFESpace & v)
+         {
+           auto array = [] (auto & dofs) { return py::array_t<int>(dofs.size(), dofs.data()); };
+           py::list all;
+           for (auto & region : v.BoundaryDofs()) all.append(py::make_tuple(array(region[0]), array(region[1])));
+           return all;
+         }, "For each boundary region two arrays: the unknowns of either component with a trace on it.")
     .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"), "The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.")
     .def(py::pickle([] (const CrackFESpace & v) { return py::make_tuple(v.GetBody(), v.TipSpecs(), v.Tolerance(), v.GetFlags()); },
                     [] (py::tuple t) { return Updated(make_shared<CrackFESpace>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<TipSpecs>(),
@@ -118,6 +126,8 @@ static void ExportCrackBilinearForm (py::module & m)
                     { return make_shared<CrackBilinearForm>(space, name, CreateFlagsFromKwArgs(kwargs, form)); }),
            py::arg("space"), py::arg("name") = "crack_form")
     .def_static("__flags_doc__", [] { return py::type::of<BilinearForm>().attr("__flags_doc__")(); });
+  m.def("StressPower", &MakeStressPower, py::arg("space"), py::arg("lam"), py::arg("mu"), py::arg("measure"),
+        "∫ σ(u):ε(v) for a bilinear form on a CrackFESpace, σ = lam tr(ε) I + 2 mu ε: an integrator for form += ..., the same as the symbolic form, assembled faster.");
 }
 
 void ExportSpaces (py::module & m)

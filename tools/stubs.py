@@ -14,6 +14,7 @@ TYPES = {
     "pyngcore.pyngcore.BitArray = None": "pyngcore.pyngcore.BitArray | None = None",
     "ngsolve.comp.FESpace = None": "ngsolve.comp.FESpace | None = None",
     "-> tuple:": "-> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:",  # OnCrack, BorderedMatrix
+    "-> list:": "-> list[tuple[numpy.ndarray, numpy.ndarray]]:",  # BoundaryDofs
     "*args": "*cracks: Crack",  # of Crack.Join and CrackedMesh
     "**kwargs": "**flags: typing.Any",  # of NGSolve's spaces and forms
     "typing.SupportsInt | typing.SupportsIndex": "int",

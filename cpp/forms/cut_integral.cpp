@@ -20,39 +20,6 @@ namespace ngsxfem_contact
       ~CurrentElement () { current_element = previous; }
     };
 
-    /// The rules of a measure for one integrator: looked up once for each order, then without a lock.
-    class CachedRules
-    {
-      static constexpr int max_order = 40;
-
-      Measure measure;
-      VorB vb;
-      mutable std::array<std::atomic<const RuleTable*>, max_order> tables {};
-      mutable std::vector<shared_ptr<const RuleTable>> used;
-      mutable std::mutex mutex;
-
-    public:
-      CachedRules (Measure ameasure, VorB avb) : measure(std::move(ameasure)), vb(avb) { }
-
-      const ElementRule * Find (int order, size_t element) const
-      {
-        order = std::max(0, order);
-        if (order >= max_order) return measure.Rules(vb, order)->Find(element);
-        auto table = tables[order].load(std::memory_order_acquire);
-        if (!table) table = LookUp(order);
-        return table->Find(element);
-      }
-
-    private:
-      const RuleTable * LookUp (int order) const
-      {
-        std::lock_guard guard(mutex);
-        used.push_back(measure.Rules(vb, order));
-        tables[order].store(used.back().get(), std::memory_order_release);
-        return used.back().get();
-      }
-    };
-
     /// A symbolic integrator of NGSolve with the rules of a measure.
     template <typename BASE>
     class WithMeasure : public BASE
@@ -201,16 +168,23 @@ namespace ngsxfem_contact
         }, lh);
       }
     };
+  }
 
-    template <typename INTEGRATOR>
-    shared_ptr<INTEGRATOR> WithOptions (shared_ptr<INTEGRATOR> integrator, const DifferentialSymbol & dx)
-    {
-      if (dx.definedon)
-        if (auto regions = get_if<ngcore::BitArray>(&*dx.definedon)) integrator->SetDefinedOn(*regions);
-      integrator->SetBonusIntegrationOrder(dx.bonus_intorder);
-      if (dx.definedonelements) integrator->SetDefinedOnElements(dx.definedonelements);
-      return integrator;
-    }
+  const ElementRule * CachedRules :: Find (int order, size_t element) const
+  {
+    order = std::max(0, order);
+    if (order >= max_order) return measure.Rules(vb, order)->Find(element);
+    auto table = tables[order].load(std::memory_order_acquire);
+    if (!table) table = LookUp(order);
+    return table->Find(element);
+  }
+
+  const RuleTable * CachedRules :: LookUp (int order) const
+  {
+    std::lock_guard guard(mutex);
+    used.push_back(measure.Rules(vb, order));
+    tables[order].store(used.back().get(), std::memory_order_release);
+    return used.back().get();
   }
 
   Measure Measure :: With (const ngcomp::FESpace & space) const

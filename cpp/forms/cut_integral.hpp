@@ -24,6 +24,26 @@ namespace ngsxfem_contact
     Measure With (CoefficientFunction & integrand) const;
   };
 
+  /// The rules of a measure for one integrator: looked up once for each order, then without a lock.
+  class CachedRules
+  {
+    static constexpr int max_order = 40;
+
+    Measure measure;
+    VorB vb;
+    mutable std::array<std::atomic<const RuleTable*>, max_order> tables {};
+    mutable std::vector<shared_ptr<const RuleTable>> used;
+    mutable std::mutex mutex;
+
+  public:
+    CachedRules (Measure ameasure, VorB avb) : measure(std::move(ameasure)), vb(avb) { }
+
+    const ElementRule * Find (int order, size_t element) const;
+
+  private:
+    const RuleTable * LookUp (int order) const;
+  };
+
   class CutDifferentialSymbol : public ngfem::DifferentialSymbol
   {
   public:
@@ -35,6 +55,17 @@ namespace ngsxfem_contact
   /// The points of a measure, element by element: reference coordinates, physical weights and places.
   struct MeasurePoints { std::vector<size_t> element; std::vector<double> xi, eta, weight, x, y; };
   MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order);
+
+  /// An integrator restricted as a measure is.
+  template <typename INTEGRATOR>
+  shared_ptr<INTEGRATOR> WithOptions (shared_ptr<INTEGRATOR> integrator, const ngfem::DifferentialSymbol & dx)
+  {
+    if (dx.definedon)
+      if (auto regions = get_if<ngcore::BitArray>(&*dx.definedon)) integrator->SetDefinedOn(*regions);
+    integrator->SetBonusIntegrationOrder(dx.bonus_intorder);
+    if (dx.definedonelements) integrator->SetDefinedOnElements(dx.definedonelements);
+    return integrator;
+  }
 
   class CutIntegral : public ngfem::Integral
   {

@@ -106,6 +106,7 @@ namespace ngsxfem_contact
       static std::unique_ptr<ElementRule> MakeRule (const PointRule & points, F && in_reference)
       {
         IntegrationRule ir;
+        ir.SetAllocSize(points.size());
         for (auto & [p, weight] : points) ir.Append(in_reference(p, weight));
         ir.SetDim(2);
         return std::make_unique<ElementRule>(std::move(ir));
@@ -129,6 +130,7 @@ namespace ngsxfem_contact
       {
         ElementMap map(mesh, element);
         PointRule points;
+        points.reserve(2048);                                // near a tip
         if (auto cut = body.Find(element))
           {
             auto belongs = [&] (const ElementPart & part)

@@ -77,10 +77,10 @@ namespace ngsxfem_contact
     /// Whether points on Γ_C lie on different cracks.
     bool IsShared () const { return cut && cut->IsShared(); }
 
-    /// Whether all functions are multiples of φ_i on this element.
+    /// Whether all scalar functions are multiples of φ_i on this element.
     bool IsPolynomial (Trace trace) const
     {
-      if (tips.Size() || IsShared()) return false;
+      if (IsShared()) return false;
       if (trace == Trace::Position)
         for (auto & function : heaviside)
           if (function.side == 0) return false;
@@ -144,12 +144,12 @@ namespace ngsxfem_contact
         }
     }
 
-    /// visit(number of the dof, vector field with gradient) for every function of the tips at x.
-    template <typename T, typename F>
+    /// visit(m, field) for the m-th function of the tips at x; FIELD: Vec<2,AutoDiff<2,T>>, with its gradient, or Vec<2,T>.
+    template <typename FIELD, typename T, typename F>
     void VisitTipFunctions (Vec<2,T> x, Trace trace, F && visit) const
     {
-      Vec<2,AutoDiff<2,T>> values[TipFunctions::max_functions], minus[TipFunctions::max_functions];
-      size_t dof = 2*NumScalar();
+      FIELD values[TipFunctions::max_functions], minus[TipFunctions::max_functions];
+      size_t number = 0;
       bool on_edge = ElementType() == ngfem::ET_SEGM;             // off Γ_C: a point of it has one value
       for (auto tip : tips)
         {
@@ -161,7 +161,7 @@ namespace ngsxfem_contact
                 for (int k = 0; k < 2; k++) values[m](k) -= minus[m](k);
             }
           for (int m = 0; m < tip->Size(); m++)
-            visit(dof++, values[m]);
+            visit(number++, values[m]);
         }
     }
   };

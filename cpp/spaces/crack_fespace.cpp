@@ -142,23 +142,39 @@ namespace ngsxfem_contact
     return held[component];
   }
 
+  std::vector<std::array<std::vector<DofId>,2>> CrackFESpace :: BoundaryDofs () const
+  {
+    std::vector<std::array<std::vector<DofId>,2>> found(ma->GetNRegions(BND));
+    Array<DofId> dofs;
+    for (size_t i = 0; i < ma->GetNE(BND); i++)
+      {
+        ElementId element(BND, i);
+        GetDofNrs(element, dofs);
+        size_t n = (dofs.Size()-TipsOf(element).dofs.size())/2;
+        for (size_t k : { 0, 1 })
+          for (auto dof : dofs.Range(k*n, (k+1)*n))
+            if (IsRegularDof(dof)) found[ma->GetElement(element).GetIndex()][k].push_back(dof);
+      }
+    for (auto & region : found)
+      for (auto & some : region)
+        {
+          std::ranges::sort(some);
+          some.erase(std::ranges::unique(some).begin(), some.end());
+        }
+    return found;
+  }
+
   /// Fixed are the functions of a component with a trace on the boundary where it is held. (The base class fixes all functions of a Dirichlet
   /// vertex or edge, in both components, also those that vanish on the boundary beside it.)
   void CrackFESpace :: UpdateFreeDofs ()
   {
     FESpace::UpdateFreeDofs();
     dirichlet_dofs.Clear();
-    Array<DofId> dofs;
-    for (size_t i = 0; i < ma->GetNE(BND); i++)
-      {
-        ElementId element(BND, i);
-        GetDofNrs(element, dofs);
-        size_t n = dofs.Size()/2;
-        for (size_t k : { 0, 1 })
-          if (held[k][ma->GetElement(element).GetIndex()])
-            for (auto dof : dofs.Range(k*n, (k+1)*n))
-              if (IsRegularDof(dof)) dirichlet_dofs.SetBit(dof);
-      }
+    auto of_region = BoundaryDofs();
+    for (size_t region = 0; region < of_region.size(); region++)
+      for (size_t k : { 0, 1 })
+        if (held[k][region])
+          for (auto dof : of_region[region][k]) dirichlet_dofs.SetBit(dof);
     *free_dofs = dirichlet_dofs;
     free_dofs->Invert();
     for (auto dof : Range(ctofdof))

@@ -77,6 +77,8 @@ namespace ngsxfem_contact
     /// Of an element in the support: +1, -1, or 0 if the crack divides it or runs along it.
     int HeavisideSide (size_t j, size_t element) const;
     std::vector<DofId> TipDofs (size_t tip) const;
+    /// For each boundary region the functions of either component with a trace on it, sorted. Those of tips vanish there.
+    std::vector<std::array<std::vector<DofId>,2>> BoundaryDofs () const;
     size_t NumTipDofs (size_t tip) const { return tips.at(tip) ? tips[tip]->Size() : 0; }
     /// The functions of one component of an element: φ_i, then NumScalar() + j for the j-th Heaviside function.
     void GetComponent (ElementId ei, Array<DofId> & functions) const;

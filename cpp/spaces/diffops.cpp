@@ -54,6 +54,23 @@ namespace ngsxfem_contact
     }
   }
 
+  /// visit(m, component, value) for every component of the m-th function of the tips.
+  template <typename T, typename F>
+  void CrackDiffOp :: VisitTips (const CrackFiniteElement & fel, Vec<2,T> x, F && visit) const
+  {
+    if (diff_order)
+      fel.VisitTipFunctions<Vec<2,AutoDiff<2,T>>>(x, trace, [&] (size_t m, auto & f)
+      {
+        for (size_t k = 0; k < 2; k++)
+          for (size_t l = 0; l < 2; l++) visit(m, 2*k+l, f(k).DValue(l));
+      });
+    else
+      fel.VisitTipFunctions<Vec<2,T>>(x, trace, [&] (size_t m, auto & f)
+      {
+        for (size_t k = 0; k < 2; k++) visit(m, k, f(k));
+      });
+  }
+
   void CrackDiffOp :: CalcMatrix (const FiniteElement & bfel, const BaseMappedIntegrationPoint & mip,
                                   BareSliceMatrix<double, ColMajor> mat, LocalHeap & lh) const
   {
@@ -79,12 +96,7 @@ namespace ngsxfem_contact
       for (size_t k = 0; k < 2; k++)
         for (size_t l = 0; l < d; l++)
           mat(k*d+l, k*n+j) = shape(j,l);
-    fel.VisitTipFunctions<double>(x, trace, [&] (size_t dof, const Vec<2,AutoDiff<2>> & f)
-    {
-      for (size_t k = 0; k < 2; k++)
-        for (size_t l = 0; l < d; l++)
-          mat(k*d+l, dof) = diff_order ? f(k).DValue(l) : f(k).Value();
-    });
+    VisitTips(fel, x, [&] (size_t m, size_t component, double value) { mat(component, 2*n+m) = value; });
   }
 
   void CrackDiffOp :: Apply (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, BareSliceVector<double> x,
@@ -105,7 +117,6 @@ namespace ngsxfem_contact
     x.Range(0, fel.GetNDof()) = Trans(mat) * flux;
   }
 
-  /// The scalar functions compactly: row j*d+l is component l of function j.
   void CrackDiffOp :: CalcScalar (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
   {
     if (diff_order)
@@ -131,12 +142,7 @@ namespace ngsxfem_contact
   void CrackDiffOp :: CalcTips (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
   {
     for (size_t i = 0; i < mir.Size(); i++)
-      fel.VisitTipFunctions<SIMD<double>>(PointOf(mir, i), trace, [&] (size_t dof, const Vec<2,AutoDiff<2,SIMD<double>>> & f)
-      {
-        for (size_t k = 0; k < 2; k++)
-          for (size_t l = 0; l < d; l++)
-            mat(dof*2*d + k*d+l, i) = diff_order ? f(k).DValue(l) : f(k).Value();
-      });
+      VisitTips(fel, PointOf(mir, i), [&] (size_t m, size_t component, SIMD<double> value) { mat(m*2*d+component, i) = value; });
   }
 
   void CrackDiffOp :: CalcMatrix (const FiniteElement & bfel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
@@ -158,7 +164,7 @@ namespace ngsxfem_contact
               mat((n+j)*2*d+d+l, i) = shape[l];
             }
         }
-    if (fel.Tips().Size()) CalcTips(fel, mir, mat);
+    CalcTips(fel, mir, mat.Rows(2*n*2*d, fel.GetNDof()*2*d));
   }
 
   namespace
@@ -181,17 +187,31 @@ namespace ngsxfem_contact
                              BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const
   {
     auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    if (fel.IsPolynomial(trace)) ApplyPolynomial(fel, mir, x, flux);
+    else ApplyScalar(fel, mir, x, flux);
+    if (fel.Tips().Size() == 0) return;
+    auto of_tips = x.Range(2*fel.NumScalar(), fel.GetNDof());
+    for (size_t i = 0; i < mir.Size(); i++)
+      VisitTips(fel, PointOf(mir, i), [&] (size_t m, size_t component, SIMD<double> value) { flux(component, i) += of_tips(m) * value; });
+  }
+
+  void CrackDiffOp :: ApplyScalar (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir,
+                                   BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const
+  {
+    size_t n = fel.NumScalar();
+    Matrix<SIMD<double>> mat(n*d, mir.Size());
+    CalcScalar(fel, mir, mat);
+    flux.AddSize(Dim(), mir.Size()) = SIMD<double>(0.);
+    for (size_t k = 0; k < 2; k++)
+      for (size_t j = 0; j < n; j++)
+        for (size_t l = 0; l < d; l++)
+          flux.Row(k*d+l).Range(0, mir.Size()) += x(k*n+j) * mat.Row(j*d+l);
+  }
+
+  void CrackDiffOp :: ApplyPolynomial (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir,
+                                       BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const
+  {
     size_t nd = fel.Scalar().GetNDof(), n = fel.NumScalar();
-    if (!fel.IsPolynomial(trace))
-      {
-        Matrix<SIMD<double>> mat(fel.GetNDof()*Dim(), mir.Size());
-        CalcMatrix(fel, mir, mat);
-        flux.AddSize(Dim(), mir.Size()) = SIMD<double>(0.);
-        for (int j = 0; j < fel.GetNDof(); j++)
-          for (int k = 0; k < Dim(); k++)
-            flux.Row(k).Range(0, mir.Size()) += x(j) * mat.Row(j*Dim()+k);
-        return;
-      }
     for (size_t k = 0; k < 2; k++)
       {
         ArrayMem<double, 50> mem(nd);
@@ -210,20 +230,36 @@ namespace ngsxfem_contact
                                 BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const
   {
     auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    if (fel.IsPolynomial(trace)) AddTransPolynomial(fel, mir, flux, x);
+    else AddTransScalar(fel, mir, flux, x);
+    if (fel.Tips().Size() == 0) return;
+    ArrayMem<SIMD<double>, 16> sums(fel.NumTip());
+    sums = SIMD<double>(0.);
+    for (size_t i = 0; i < mir.Size(); i++)
+      VisitTips(fel, PointOf(mir, i), [&] (size_t m, size_t component, SIMD<double> value) { sums[m] += value * flux(component, i); });
+    for (size_t m = 0; m < sums.Size(); m++) x(2*fel.NumScalar()+m) += HSum(sums[m]);
+  }
+
+  void CrackDiffOp :: AddTransScalar (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir,
+                                      BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const
+  {
+    size_t n = fel.NumScalar();
+    Matrix<SIMD<double>> mat(n*d, mir.Size());
+    CalcScalar(fel, mir, mat);
+    for (size_t k = 0; k < 2; k++)
+      for (size_t j = 0; j < n; j++)
+        {
+          SIMD<double> sum(0.);
+          for (size_t l = 0; l < d; l++)
+            for (size_t i = 0; i < mir.Size(); i++) sum += mat(j*d+l, i) * flux(k*d+l, i);
+          x(k*n+j) += HSum(sum);
+        }
+  }
+
+  void CrackDiffOp :: AddTransPolynomial (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir,
+                                          BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const
+  {
     size_t nd = fel.Scalar().GetNDof(), n = fel.NumScalar();
-    if (!fel.IsPolynomial(trace))
-      {
-        Matrix<SIMD<double>> mat(fel.GetNDof()*Dim(), mir.Size());
-        CalcMatrix(fel, mir, mat);
-        for (int j = 0; j < fel.GetNDof(); j++)
-          {
-            SIMD<double> sum(0.);
-            for (int k = 0; k < Dim(); k++)
-              for (size_t i = 0; i < mir.Size(); i++) sum += mat(j*Dim()+k, i) * flux(k, i);
-            x(j) += HSum(sum);
-          }
-        return;
-      }
     for (size_t k = 0; k < 2; k++)
       {
         ArrayMem<double, 50> mem(nd);

@@ -44,9 +44,22 @@ namespace ngsxfem_contact
     void AddTrans (const FiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                    BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const override;
 
-  private:
+    /// The scalar functions compactly: row j*d+l is component l of function j.
     void CalcScalar (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
-    void CalcHeaviside (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
+    /// The functions of the tips, all components of one after the other.
     void CalcTips (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
+
+  private:
+    void CalcHeaviside (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
+    template <typename T, typename F>
+    void VisitTips (const CrackFiniteElement & fel, Vec<2,T> x, F && visit) const;
+    void ApplyScalar (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+                      BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const;
+    void ApplyPolynomial (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+                          BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const;
+    void AddTransScalar (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+                         BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const;
+    void AddTransPolynomial (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+                             BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const;
   };
 }

@@ -54,6 +54,26 @@ namespace ngsxfem_contact
         EvaluateBranch(chi, C, S, y/R, R, values);
     }
 
+    /// The same without gradients: inlined, so that they are not computed.
+    template <typename T>
+    [[gnu::flatten]] void Evaluate (Vec<2,T> p, int side, Vec<2,T> * values) const
+    {
+      auto [chi, C, S, R, y] = At(p, side);
+      auto copy = [&] (auto & fields) { for (auto & field : fields) *values++ = Vec<2,T> { field(0).Value(), field(1).Value() }; };
+      if (spec.basis == TipBasis::Modes)
+        {
+          Vec<2,AutoDiff<2,T>> modes[2];
+          EvaluateModes(chi, C, S, R, modes);
+          copy(modes);
+        }
+      else
+        {
+          Vec<2,AutoDiff<2,T>> branch[max_functions];
+          EvaluateBranch(chi, C, S, y/R, R, branch);
+          copy(branch);
+        }
+    }
+
     /// χ div of the modes as if the crack were straight, what is singular in it: of the order of 1/λ_L. 0 for the functions (8).
     std::array<double,2> SingularDivergence (Point p, int side) const
     {

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
-from ngsolve import BilinearForm, GridFunction, LinearForm
+from ngsolve import BilinearForm, GridFunction, LinearForm, Parameter
 
 from .. import _ngsxfem_contact as core
-from ..algebra.matrices import to_scipy
-from ..spaces.incompressible import stress_power
+from ..algebra.matrices import assembled, mask
+from ..spaces.incompressible import add_stress_power
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,6 +65,7 @@ class ContactSystem:
     def __init__(self, problem: ContactProblem) -> None:
         self.problem, self.components = problem, problem.friction.components
         self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
+        self.numbers = np.flatnonzero(mask(problem.body.CrackElements(None)))
         self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()
         self._assemble(problem)
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
@@ -80,7 +81,7 @@ class ContactSystem:
         mass = scipy.sparse.csr_matrix((W.ndof, W.ndof))
         if self.gamma is not None:
             stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
-            mass = to_scipy(BilinearForm(self.gamma * lam * mu * self.dcrack).Assemble().mat)
+            mass = assembled(BilinearForm(self.gamma * lam * mu * self.dcrack), self.numbers)
         self.nodes, self.stiffness = W, stiffness.Assemble().mat
         self.E = scipy.sparse.vstack([self._coupling(problem, component) for component in self.components], format="csr")
         self.D = scipy.sparse.block_diag([mass] * len(self.components), format="csr")
@@ -94,13 +95,15 @@ class ContactSystem:
         coupling += -mu * component.jump(u, problem.body) * self.dcrack
         if self.gamma is not None:
             coupling += -self.gamma * mu * self.traction.Summed(u, component) * self.dcrack
-        return to_scipy(coupling.Assemble().mat)
+        return assembled(coupling, self.numbers)
 
     def CheckCone(self, cone: Cone) -> None:
         """Raises ValueError for a cone that does not go with the system; a multiplier may have any."""
 
     def InitialGap(self, problem: ContactProblem) -> np.ndarray:
         """∫ψ_i g_0."""
+        if isinstance(problem.gap, Parameter):
+            return problem.gap.Get() * self.weights[: problem.W.ndof]
         mu = problem.W.TestFunction()
         return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
 
@@ -154,8 +157,7 @@ class ContactSystem:
 
 def stiffness_form(problem: ContactProblem) -> CrackBilinearForm:
     """a(u, v) with the terms of problem.a, not assembled."""
-    u, v = problem.V.TnT()
     form = core.CrackBilinearForm(problem.V, symmetric=True)
-    form += stress_power(problem.material, u, v) * problem.body.dx
+    add_stress_power(form, problem.material, problem.body.dx)
     problem.a.AddTo(form)
     return form

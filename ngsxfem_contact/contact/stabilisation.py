@@ -7,19 +7,18 @@ that ∫γ R_h(v)² diverges: with them γ falls linearly to zero within h_T of 
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import L2, BilinearForm, CoefficientFunction, ElementId, GridFunction, IfPos, sqrt, x, y
+from ngsolve import L2, BilinearForm, CoefficientFunction, GridFunction, IfPos, sqrt, x, y
 
 from .. import _ngsxfem_contact as core
 from ..arguments import check_number, check_positive
 from ..loads.face_traction import ComparedTraction
 from ..operators import NORMAL
 from ..protocols import Stabilisation
-from ..spaces.incompressible import WithoutPressure, is_projected, stress_power
+from ..spaces.incompressible import WithoutPressure, add_stress_power, is_projected
 from ..spaces.unknowns import Unknowns
 
 if TYPE_CHECKING:
@@ -286,12 +285,11 @@ class BothSides(Defaults):
 
 def element_gamma(V: CrackFESpace, limits: np.ndarray) -> CoefficientFunction:
     """γ = limit h_T, weighted at the tips, for one limit on each of crack_elements; where cracks share one, the least."""
+    numbers, sizes = numbers_and_sizes(V.body)
+    least = np.full(V.mesh.ne, np.inf)
+    np.minimum.at(least, numbers, limits * sizes)
     gamma = GridFunction(L2(V.mesh, order=0))
-    gamma.vec[:] = np.inf
-    for location, limit in zip(crack_elements(V.body), limits):
-        gamma.vec[location.element] = min(limit * location.h, gamma.vec[location.element])
-    values = gamma.vec.FV().NumPy()
-    values[np.isinf(values)] = 0
+    gamma.vec.FV().NumPy()[:] = np.where(np.isinf(least), 0, least)
     return gamma * tip_weight(V)
 
 
@@ -300,17 +298,27 @@ def crack_elements(body: CrackedMesh) -> list[ElementLocation]:
     return [location for c in range(len(body.cracks)) for location in body.Elements(c)]
 
 
+def numbers_and_sizes(body: CrackedMesh) -> tuple[np.ndarray, np.ndarray]:
+    """Arrays: the element and its h_T for each of crack_elements."""
+    elements = crack_elements(body)
+    return np.array([T.element for T in elements], dtype=int), np.array([T.h for T in elements])
+
+
+def materials_of(V: CrackFESpace, material: Isotropic | WithoutPressure) -> list[Any]:
+    """The Elasticity in each of crack_elements."""
+    numbers, _ = numbers_and_sizes(V.body)
+    return [material.InRegion(int(i) - 1) for i in V.mesh.ngmesh.Elements2D().NumPy()["index"][numbers]]
+
+
 def local_moduli(V: CrackFESpace, material: Isotropic) -> np.ndarray:
     """What R_h is of the order of in each of crack_elements: lam + 2 mu, and 2 mu where the pressure is free."""
-    modulus = GridFunction(L2(V.mesh, order=0))
-    free = material.projected if is_projected(V, material) else 0
-    modulus.Set(CoefficientFunction(material.Modulus(free)))
-    return np.array([modulus.vec[location.element] for location in crack_elements(V.body)])
+    free = is_projected(V, material)
+    return np.array([here.Modulus(free * here.projected) for here in materials_of(V, material)])
 
 
 def carries_pressure(V: CrackFESpace, material: Isotropic | WithoutPressure) -> np.ndarray:
     """For each of crack_elements whether it has a pressure of its own, see `mixed_system`: nearly incompressible, and met by one crack only."""
-    return np.array([len(V.body.CracksOf(T.element)) == 1 for T in crack_elements(V.body)]) & _nearly_incompressible(V, material)
+    return (sharing_cracks(V.body) == 1) & _nearly_incompressible(V, material)
 
 
 def lacks_pressure(V: CrackFESpace, law: Isotropic | WithoutPressure) -> np.ndarray:
@@ -319,20 +327,25 @@ def lacks_pressure(V: CrackFESpace, law: Isotropic | WithoutPressure) -> np.ndar
 
 
 def _nearly_incompressible(V: CrackFESpace, material: Isotropic | WithoutPressure) -> np.ndarray:
-    index = np.array([V.mesh[ElementId(T.element)].index for T in crack_elements(V.body)], dtype=int)
-    return np.array([material.InRegion(int(i)).nearly_incompressible for i in index], dtype=bool)
+    return np.array([here.nearly_incompressible for here in materials_of(V, material)], dtype=bool)
+
+
+def sharing_cracks(body: CrackedMesh) -> np.ndarray:
+    """How many cracks meet each of crack_elements."""
+    numbers, _ = numbers_and_sizes(body)
+    return np.bincount(numbers)[numbers]
 
 
 def tip_weight(V: CrackFESpace) -> CoefficientFunction:
     """min(1, r/h_T) around the tips with scalar functions (8), 1 elsewhere."""
-    h = GridFunction(L2(V.mesh, order=0))
-    for location in crack_elements(V.body):
-        h.vec[location.element] = location.h
-    weight = CoefficientFunction(1)
-    for tip, spec in zip(V.body.tips, V.tip_specs):
-        if spec is not None and spec.basis == core.TipBasis.branch:
-            r = sqrt((x - tip.point[0]) ** 2 + (y - tip.point[1]) ** 2)
-            weight = weight * IfPos(h - r, r / h, 1)
+    weight, branch = CoefficientFunction(1), core.TipBasis.branch
+    points = [tip.point for tip, spec in zip(V.body.tips, V.tip_specs) if spec is not None and spec.basis == branch]
+    if points:
+        h, (numbers, sizes) = GridFunction(L2(V.mesh, order=0)), numbers_and_sizes(V.body)
+        h.vec.FV().NumPy()[numbers] = sizes
+    for point in points:
+        r = sqrt((x - point[0]) ** 2 + (y - point[1]) ** 2)
+        weight = weight * IfPos(h - r, r / h, 1)
     return weight
 
 
@@ -347,37 +360,48 @@ def trace_constants(V: CrackFESpace, material: Isotropic | WithoutPressure, comp
     C_T = m max ∫_{T∩Γ} h_T w R_h(v)² / a_T(v,v) over the functions of V that live on T, w = tip_weight, a_T over the larger
     part beside Γ; with friction |σn|² = σ_n² + σ_t² in place of σ_n². Dimensionless times stress; with γ_T = θ h_T / C_T,
     ∫γ R_h(v)² ≤ θ a(v,v): larger parts of one crack are disjoint, and m cracks that share an element may use one part all.
+    They are kept with V.
     """
+    known = V.__dict__.setdefault("_trace_constants", {})
+    key = material, tuple(components), tuple((spec.kappa, spec.mu) for spec in V.tip_specs if spec is not None)
+    if key not in known:
+        ratios = [_largest_ratios(V, material, components, crack) for crack in range(len(V.body.cracks))]
+        known[key] = sharing_cracks(V.body) * numbers_and_sizes(V.body)[1] * np.concatenate(ratios)
+    return known[key]
+
+
+def _largest_ratios(V: CrackFESpace, material: Isotropic | WithoutPressure, components: Sequence[Component], crack: int) -> np.ndarray:
+    """max ∫_{T∩Γ} w R_h(v)² / a_T(v,v) for each of the elements that a crack meets."""
     u, v = V.TnT()
-    body = V.body
-    traces = tip_weight(V) * ComparedTraction(body, material, BarbosaHughes.sides).Squared(u, v, components)
-    sharing = Counter(location.element for location in crack_elements(body))
-    constants = []
-    for crack in range(len(body.cracks)):
-        energy = BilinearForm(stress_power(material, u, v) * body.dlarger(crack=crack))
-        trace = BilinearForm(traces * body.dcrack(crack=crack))
-        constants += [sharing[T.element] * T.h * _largest_ratio(V, T.element, trace, energy) for T in body.Elements(crack)]
-    return np.array(constants)
+    body, numbers = V.body, [T.element for T in V.body.Elements(crack)]
+    squared = tip_weight(V) * ComparedTraction(body, material, BarbosaHughes.sides).Squared(u, v, components)
+    trace = BilinearForm(squared * body.dcrack(crack=crack))
+    energy = BilinearForm(V)
+    add_stress_power(energy, material, body.dlarger(crack=crack))
+    (R, dofs, _), (A, _, _) = (core.ElementMatrices(form, numbers) for form in (trace, energy))
+    return largest_ratios(R, A, largest_of_kind(np.einsum("eii->ei", A), V, dofs))
 
 
-def _largest_ratio(V: CrackFESpace, element: int, trace: BilinearForm, energy: BilinearForm, kernel: float = 1e-10) -> float:
-    """The largest eigenvalue of the element matrices of trace against energy, beside the common kernel."""
-    ei = ElementId(element)
-    fe, trafo = V.GetFE(ei), V.mesh.GetTrafo(ei)
-    R, A = (np.array(form.integrators[0].CalcElementMatrix(fe, trafo)) for form in (trace, energy))
-    diagonal = A.diagonal().copy()
-    used = diagonal > 1e-28 * largest_of_kind(diagonal, V, V.GetDofNrs(ei))
-    scale = 1 / np.sqrt(diagonal[used])
-    R, A = (M[np.ix_(used, used)] * scale[:, None] * scale for M in (R, A))
+def largest_ratios(R: np.ndarray, A: np.ndarray, sizes: np.ndarray, kernel: float = 1e-10) -> np.ndarray:
+    """The largest eigenvalues of matrices R against A, (n, k, k) each, beside the common kernels, to which rows of zeros belong.
+
+    sizes: (n, k), of the unit of each diagonal entry of A.
+    """
+    diagonal = np.einsum("eii->ei", A)
+    used = diagonal > 1e-28 * sizes
+    scale = np.where(used, 1 / np.sqrt(np.where(used, diagonal, 1)), 0)
+    R, A = (M * scale[:, :, None] * scale[:, None, :] for M in (R, A))
     values, vectors = np.linalg.eigh(A)
-    regular = values > kernel * values[-1]
-    basis = vectors[:, regular] / np.sqrt(values[regular])
-    return np.linalg.eigvalsh(basis.T @ R @ basis)[-1]
+    regular = values > kernel * values[:, -1:]
+    basis = vectors * np.where(regular, 1 / np.sqrt(np.where(regular, values, 1)), 0)[:, None, :]
+    return np.linalg.eigvalsh(basis.swapaxes(1, 2) @ R @ basis)[:, -1]
 
 
-def largest_of_kind(values: np.ndarray, V: CrackFESpace, dofs: tuple[int, ...]) -> np.ndarray:
-    """For each unknown the largest of the values that have its unit: of all polynomials, or of the functions of its tip."""
-    kind = Unknowns(V).Kinds(np.array(dofs))
-    largest = np.zeros(kind.max() + 1)
-    np.maximum.at(largest, kind, values)
-    return largest[kind]
+def largest_of_kind(values: np.ndarray, V: CrackFESpace, dofs: np.ndarray) -> np.ndarray:
+    """For each unknown of each element the largest of its values that have its unit: of all polynomials, or of the functions of its tip.  values, dofs: (n, k)."""
+    kinds = Unknowns(V).Kinds(dofs)
+    largest = np.zeros(values.shape)
+    for kind in range(kinds.max() + 1):
+        here = kinds == kind
+        largest = np.where(here, np.where(here, values, 0).max(axis=1, keepdims=True), largest)
+    return largest

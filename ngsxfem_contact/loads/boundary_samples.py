@@ -78,8 +78,10 @@ class BoundarySamples:
         """Arrays of the rows at each vertex at which regions meet and no crack ends."""
         rows = np.flatnonzero((self.vertex >= 0) & (self.mouth < 0))
         rows = rows[np.argsort(self.vertex[rows], kind="stable")]
-        groups = np.split(rows, np.flatnonzero(np.diff(self.vertex[rows])) + 1)
-        return [group for group in groups if len(set(self.region[group])) > 1]
+        same = np.diff(self.vertex[rows]) == 0
+        meeting = np.unique(self.vertex[rows[1:][same & (np.diff(self.region[rows]) != 0)]])
+        rows = rows[np.isin(self.vertex[rows], meeting)]
+        return np.split(rows, np.flatnonzero(np.diff(self.vertex[rows])) + 1) if len(rows) else []
 
     def NormalJumps(self, sides: dict[tuple[int, int], HeldSide]) -> np.ndarray:
         """The normal jump n·(u⁺ - u⁻) that is given at each mouth; NaN where it is not given on both faces.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
-from ngsolve import BND, VERTEX, BitArray, CoefficientFunction, ElementId, GridFunction, LinearForm, NodeId, Parameter
+from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, LinearForm, NodeId, Parameter
 
 from ..arguments import check_function, check_regions, check_type
 from ..points import crack_points
@@ -67,7 +67,7 @@ class Supports:
         self.samples = BoundarySamples(V.body)
         self._declared = {
             (region, k): HeldSide(dofs[k], np.zeros(len(dofs[k])), self.samples.Zero(region), explicit=False)
-            for region, dofs in enumerate(boundary_dofs(V))
+            for region, dofs in enumerate(V.BoundaryDofs())
             for k in range(2)
             if V.HeldRegions(k)[region]
         }
@@ -242,17 +242,6 @@ def largest(side: HeldSide) -> float:
 def differ(a: Any, b: Any, *sizes: Any) -> bool:
     """Whether two given displacements are not the same, relative to the largest of them and of some sizes."""
     return abs(a - b) > TOLERANCE * max(abs(a), abs(b), *sizes)
-
-
-def boundary_dofs(V: CrackFESpace) -> list[tuple[np.ndarray, np.ndarray]]:
-    """For each boundary region the unknowns of either component with a trace on it: [(x, y), ...]."""
-    found = [(set(), set()) for _ in V.mesh.GetBoundaries()]
-    for element in V.mesh.Elements(BND):
-        dofs = V.GetDofNrs(ElementId(BND, element.nr))
-        half = len(dofs) // 2
-        for k in range(2):
-            found[element.index][k].update(dof for dof in dofs[k * half : (k + 1) * half] if dof >= 0)
-    return [tuple(np.array(sorted(dofs), dtype=int) for dofs in region) for region in found]
 
 
 def given_components(value: Any) -> tuple[CoefficientFunction, list[int]]:

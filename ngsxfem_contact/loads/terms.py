@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -88,9 +89,16 @@ class Limits:
         return {"plus": self.plus, "minus": self.minus, "jump": self.plus - self.minus}[name]
 
 
+@cache
 def unit_vectors() -> list[CoefficientFunction]:
     """(1, 0) and (0, 1)."""
     return [CF(tuple(row)) for row in np.eye(2).tolist()]
+
+
+@cache
+def unit_matrices() -> list[CoefficientFunction]:
+    """The 2 × 2 matrices with one 1, row by row."""
+    return [CF(tuple(row), dims=(2, 2)) for row in np.eye(4).tolist()]
 
 
 def unit_limits() -> tuple[list[Limits], list[Limits]]:
@@ -136,8 +144,7 @@ def coefficient_of_gradient(term: FormTerm) -> CoefficientFunction | None:
     """S of a term ∫ S:∇v, a 2 × 2 matrix, or None if there is no gradient in it; zero where it is not taken."""
     if not any(core.OperatorName(proxy) == "grad" for proxy in term.test):
         return None
-    units = [CF(tuple(row), dims=(2, 2)) for row in np.eye(4).tolist()]
-    return restriction(term) * CF(tuple(tested(term, {"grad": unit}.get)[0].coef for unit in units), dims=(2, 2))
+    return restriction(term) * CF(tuple(tested(term, {"grad": unit}.get)[0].coef for unit in unit_matrices()), dims=(2, 2))
 
 
 def restriction(term: FormTerm) -> CoefficientFunction:
@@ -190,11 +197,11 @@ def sample_points(term: FormTerm, number: int = 12) -> np.ndarray:
     return points
 
 
-def values_of(term: FormTerm, test: Callable[..., Any], trial: Any = None) -> np.ndarray:
+def values_of(term: FormTerm, points: Any, test: Callable[..., Any], trial: Any = None) -> np.ndarray:
     """The integrand at some points, its functions replaced by test(name) and trial(name), see `replaced`."""
     form = tested(term, test)
     form = form.Replace(replaced(term.trial, trial)) if term.trial else form
-    return np.ravel(form[0].coef(sample_points(term)))
+    return np.ravel(form[0].coef(points))
 
 
 def combined(weights: Sequence[float], fields: Sequence[Callable[..., Any]]) -> Callable[..., Any]:
@@ -211,8 +218,9 @@ def combined(weights: Sequence[float], fields: Sequence[Callable[..., Any]]) -> 
 
 def check_linear(term: FormTerm, name: str) -> None:
     """Raises ValueError for a term without a test function, or that is not linear in its test and its trial function."""
+    points = sample_points(term)
     if not term.test:
-        if not np.any(term.integrand(sample_points(term))):
+        if not np.any(term.integrand(points)):
             return  # what NGSolve makes of a load that is zero
         raise ValueError(f"{name}: a term has no test function; write force*v*body.dx, v a test function of the problem's V")
     try:
@@ -221,7 +229,7 @@ def check_linear(term: FormTerm, name: str) -> None:
         return  # it is a load all the same, where nobody has to know its coefficients
     fields = fields_of(term)
     some, other = combined((0.7, 0.3, -0.5, 0.2), fields), combined((-0.4, 0.9, 0.6, -0.8), fields)
-    as_test, as_trial = (lambda field: values_of(term, field, some)), (lambda field: values_of(term, some, field))
+    as_test, as_trial = (lambda field: values_of(term, points, field, some)), (lambda field: values_of(term, points, some, field))
     for at in (as_test, as_trial) if term.trial else (as_test,):
         first, second = at(some), at(other)
         size = max(np.abs(first).max(initial=0), np.abs(second).max(initial=0))
@@ -234,8 +242,8 @@ def check_linear(term: FormTerm, name: str) -> None:
 
 def check_symmetric(term: FormTerm, name: str) -> None:
     """Raises ValueError for a bilinear term that is not symmetric."""
-    fields = fields_of(term)
-    values = np.array([[values_of(term, b, a) for a in fields] for b in fields])
+    fields, points = fields_of(term), sample_points(term)
+    values = np.array([[values_of(term, points, b, a) for a in fields] for b in fields])
     if not np.allclose(values, values.swapaxes(0, 1), atol=1e-10 * np.abs(values).max(initial=0)):
         raise ValueError(f"{name}: a term is not symmetric in u and v; the solver needs a(u, v) = a(v, u)")
 
@@ -244,5 +252,4 @@ def fields_of(term: FormTerm) -> list[Callable[..., Any]]:
     """Constant fields as functions of the operators' names: on a crack on one face at a time, elsewhere with a gradient of their own."""
     if place_of(term) == "crack":
         return [u.Operator for pair in unit_limits() for u in pair]
-    gradients = [CF(tuple(row), dims=(2, 2)) for row in np.eye(4)[:2].tolist()]
-    return [{"Id": e, "grad": g}.get for e, g in zip(unit_vectors(), gradients)]
+    return [{"Id": e, "grad": g}.get for e, g in zip(unit_vectors(), unit_matrices())]

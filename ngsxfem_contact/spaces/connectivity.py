@@ -28,10 +28,9 @@ def sides_of_parts(parts: list[ElementPart]) -> set[tuple[int, ...]]:
     """The signs with respect to its cracks of the parts of an element, each once: {()} for an element that no crack meets."""
     if not parts:
         return {()}
-    corners = np.array([part.piece.triangle for part in parts])
-    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    areas = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    return {tuple(map(int, part.sides)) for part, area in zip(parts, areas) if area > SLIVER * areas.max()}
+    areas = [abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) for (ax, ay), (bx, by), (cx, cy) in (part.piece.triangle for part in parts)]
+    least = SLIVER * max(areas)
+    return {tuple(map(int, part.sides)) for part, area in zip(parts, areas) if area > least}
 
 
 class VertexCopies:
@@ -105,12 +104,12 @@ class VertexCopies:
 
 def parts_joined_by_edges(corners: np.ndarray, copies: int) -> tuple[int, np.ndarray]:
     """(number, labels) of the connected parts of triangles (n, 3) that share edges."""
-    n = len(corners)
-    ends = np.sort(np.stack([corners, np.roll(corners, 1, axis=1)], axis=2), axis=2).astype(np.int64)
-    edges, number = np.unique(ends[..., 0] * copies + ends[..., 1], return_inverse=True)
-    graph = scipy.sparse.coo_matrix((np.ones(3 * n, dtype=bool), (np.repeat(np.arange(n), 3), n + number.ravel())), shape=(n + len(edges),) * 2)
-    parts, labels = scipy.sparse.csgraph.connected_components(graph, directed=False)
-    return parts, labels[:n]
+    n, following = len(corners), np.roll(corners, 1, axis=1)
+    edges = (np.minimum(corners, following).astype(np.int64) * copies + np.maximum(corners, following)).ravel()
+    order = np.argsort(edges, kind="stable")
+    shared = np.flatnonzero(np.diff(edges[order]) == 0)
+    pairs = order[shared] // 3, order[shared + 1] // 3
+    return scipy.sparse.csgraph.connected_components(scipy.sparse.coo_matrix((np.ones(len(shared), dtype=bool), pairs), shape=(n, n)), directed=False)
 
 
 @dataclass

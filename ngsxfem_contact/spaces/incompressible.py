@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ngsolve import VOL, ElementId, Trace
+from ngsolve import VOL, CoefficientFunction, ElementId, Trace
 
 from .. import _ngsxfem_contact as core
 from ..errors import warn
@@ -18,7 +18,7 @@ from ..material import Isotropic
 from ..operators import Strain
 
 if TYPE_CHECKING:
-    from ngsolve import CoefficientFunction
+    from ngsolve import BilinearForm
 
     from .._ngsxfem_contact import CrackFESpace
     from ..contact.mixed_system import PressureField
@@ -77,6 +77,15 @@ def stress_power(
         return material.StressPower(Strain(u), Strain(v))
     both = dilatation(material, u), dilatation(material, v)
     return material.StressPower(Strain(u), Strain(v), both, None if pressure is None else pressure.At(None))
+
+
+def add_stress_power(form: BilinearForm, material: Isotropic | WithoutPressure, measure: Any) -> None:
+    """Adds ∫ stress_power over a measure of the body to a bilinear form on a CrackFESpace."""
+    V = form.space
+    if is_projected(V, material):
+        form += stress_power(material, *V.TnT()) * measure
+    else:
+        form += core.StressPower(V, CoefficientFunction(material.lam), CoefficientFunction(material.mu), measure)
 
 
 def warn_of_locking(V: CrackFESpace, material: Isotropic, stabilisation: Stabilisation | None) -> None:

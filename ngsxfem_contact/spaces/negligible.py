@@ -56,14 +56,13 @@ def energies_of_whole_functions(unknowns: Unknowns, energies: np.ndarray) -> np.
 def added_energies(A: csr_matrix, bounds: np.ndarray) -> np.ndarray:
     """Whether each function adds more than its bound to the span of those before it that do."""
     kept = np.zeros(A.shape[0], dtype=bool)
-    diagonal = A.diagonal()
-    for i in range(A.shape[0]):
-        row = slice(A.indptr[i], A.indptr[i + 1])
-        columns, coupling = A.indices[row], A.data[row]
-        coupling, columns = coupling[kept[columns]], columns[kept[columns]]
-        scale = 1 / np.sqrt(diagonal[columns])
-        block = A[columns][:, columns].toarray() * scale[:, None] * scale
-        kept[i] = diagonal[i] - projection_energy(block, scale * coupling) > bounds[i]
+    ends = A.indptr.tolist()
+    rows = [dict(zip(A.indices[a:b].tolist(), A.data[a:b].tolist())) for a, b in zip(ends, ends[1:])]
+    for i, row in enumerate(rows):
+        before = [j for j in row if kept[j]]
+        scale = 1 / np.sqrt([rows[j][j] for j in before])
+        block = np.array([[rows[j].get(k, 0.0) for k in before] for j in before]).reshape((len(before),) * 2) * scale[:, None] * scale
+        kept[i] = row[i] - projection_energy(block, scale * np.array([row[j] for j in before])) > bounds[i]
     return kept
 
 

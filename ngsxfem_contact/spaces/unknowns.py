@@ -55,7 +55,7 @@ class Unknowns:
 
     def Kinds(self, dofs: np.ndarray) -> np.ndarray:
         """For each of some unknowns a number, equal where units are: 0 for a_i and b_i, t + 1 for those of tip t."""
-        kinds = np.zeros(len(dofs), dtype=int)
+        kinds = np.zeros(np.shape(dofs), dtype=int)
         for tip in range(len(self.V.body.tips)):
             kinds[np.isin(dofs, self.Tip(tip))] = tip + 1
         return kinds
