@@ -18,7 +18,7 @@ from .material import Elasticity
 from .operators import Jump, Minus, NormalGap, Plus, Slip, Strain, Variation
 from . import algebra  # noqa: F401
 from .spaces import CrackFESpace, TipEnrichment, TraceSpace
-from . import pictures  # noqa: F401
+from . import plotting  # noqa: F401
 from .fracture import CrackGrowth, GivenIncrement, Paris
 from . import loads  # noqa: F401
 from .contact import BarbosaHughes, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca

@@ -18,7 +18,7 @@ from ngsxfem_contact.contact.checks import InfSup
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.operators import NormalGap, NormalStress, Strain
-from ngsxfem_contact.pictures.plotting import von_mises
+from ngsxfem_contact.plotting import von_mises
 from ngsxfem_contact.points import crack_points
 from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
 from ngsxfem_contact.spaces.interpolation import Interpolant

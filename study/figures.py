@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ngsxfem_contact.files import write_whole
-from ngsxfem_contact.pictures.plotting import plot_body, plot_profile, pyplot
+from ngsxfem_contact.plotting.plots import plot_body, plot_profile, pyplot
 
 WIDTH = 3.4  # inches: a panel fills a column
 STYLE = {

@@ -72,7 +72,7 @@ solution.Draw()
 
 # %%
 import matplotlib.pyplot as plt
-from ngsxfem_contact.pictures import plot_body, plot_profile
+from ngsxfem_contact.plotting import plot_body, plot_profile
 
 plot_body(solution)
 plt.show()

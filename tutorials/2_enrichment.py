@@ -17,8 +17,8 @@ from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
 from ngsxfem_contact.geometry import ElementKind
-from ngsxfem_contact.pictures import plot_mesh
-from ngsxfem_contact.pictures.split_mesh import SplitMesh
+from ngsxfem_contact.plotting import plot_mesh
+from ngsxfem_contact.plotting.split_mesh import SplitMesh
 
 geometry = SplineGeometry()
 geometry.AddRectangle((0, -0.5), (1, 0.5), bcs=["bottom", "right", "top", "left"])

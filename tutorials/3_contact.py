@@ -10,7 +10,7 @@ import numpy as np
 from ngsolve import *
 from ngsxfem_contact import *
 from ngsxfem_contact.job.part import EXAMPLE, read_part
-from ngsxfem_contact.pictures.plotting import plot_profile
+from ngsxfem_contact.plotting import plot_profile
 from scipy.sparse import bmat, csr_matrix
 from scipy.sparse.linalg import spsolve
 

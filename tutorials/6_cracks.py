@@ -13,7 +13,7 @@ import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
-from ngsxfem_contact.pictures.plotting import plot_body, plot_mesh, plot_profile
+from ngsxfem_contact.plotting import plot_body, plot_mesh, plot_profile
 
 # the folder `study` is not installed: it lies in one of the folders above this file, or above where this notebook runs
 sys.path += map(str, Path(globals().get("__file__", "notebook")).resolve().parents)

@@ -18,7 +18,7 @@ from ngsolve import *
 from ngsxfem_contact import *
 from ngsxfem_contact.algebra import FixedPoint, FullNewton
 from ngsxfem_contact.exact import closed_forms
-from ngsxfem_contact.pictures.plotting import plot_profile
+from ngsxfem_contact.plotting import plot_profile
 
 # %% [markdown]
 # ## The paper's problem with friction

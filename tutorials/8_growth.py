@@ -13,7 +13,7 @@ from ngsxfem_contact import *
 from ngsxfem_contact.fracture import GivenIncrement, WingCracks
 from ngsxfem_contact.exact import closed_forms
 from ngsxfem_contact.exact import fracture_solutions
-from ngsxfem_contact.pictures.plotting import plot_body
+from ngsxfem_contact.plotting import plot_body
 
 material, a = Elasticity(lam=1, mu=1), 0.25
 mesh = closed_forms.rotated_square(0.4, (0.02, -0.03), 0.03)

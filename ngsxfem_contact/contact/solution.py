@@ -500,7 +500,7 @@ class ContactSolution:
             field, a CoefficientFunction (default: the von Mises stress), scale of the displacement (default: the largest is 5 % of the body), and those of
             ngsolve.webgui.Draw, see `plotting.draw`.
         """
-        from ..pictures.plotting import draw
+        from ..plotting.plots import draw
 
         return draw(self, **options)
 
@@ -524,6 +524,6 @@ class ContactSolution:
         OSError
             If the disk is full.
         """
-        from ..pictures.plotting import save_vtk
+        from ..plotting.plots import save_vtk
 
         return save_vtk(self, path)

@@ -451,7 +451,7 @@ class CrackGrowth:
         -------
         str
         """
-        from ..pictures.plotting import animate
+        from ..plotting.plots import animate
 
         if not self.solutions:
             raise ValueError("CrackGrowth: there is no step to show; call Run(steps) first")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
 
-from ..pictures.split_mesh import mesh_arrays
+from ..plotting.split_mesh import mesh_arrays
 from ..points import distance_to_segments
 
 if TYPE_CHECKING:

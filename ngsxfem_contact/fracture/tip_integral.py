@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CF, BitArray, CoefficientFunction, IfPos, InnerProduct, Integrate
 
-from ..pictures.split_mesh import mesh_arrays
+from ..plotting.split_mesh import mesh_arrays
 from ..points import crack_points
 from .tip_fields import SIDE
 

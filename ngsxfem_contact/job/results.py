@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..contact.solution import CrackProfile
 from ..files import write_whole
-from ..pictures.plotting import plot_body, plot_profile, pyplot
+from ..plotting.plots import plot_body, plot_profile, pyplot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

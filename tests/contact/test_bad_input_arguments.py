@@ -9,7 +9,7 @@ from ngsxfem_contact import Crack, CrackFESpace, CrackGrowth, Elasticity, TraceS
 from ngsxfem_contact.algebra import FixedPoint, FullNewton
 from ngsxfem_contact.contact import BarbosaHughes, BothSides, ContactProblem, Coulomb, InfSup, LoadCase, LoadSteps, Nitsche, Tresca
 from ngsxfem_contact.fracture import GivenIncrement, InteractionIntegral, JumpExtrapolation, Paris
-from ngsxfem_contact.pictures import plot_body, plot_profile
+from ngsxfem_contact.plotting import plot_body, plot_profile
 from ngsxfem_contact.spaces import Interpolant, Projection
 from study.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
 

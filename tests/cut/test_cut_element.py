@@ -10,7 +10,7 @@ from ngsolve import CF, InnerProduct, Integrate, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, TipEnrichment, TraceSpace
 from ngsxfem_contact.contact import BarbosaHughes, Coercivity, ContactProblem, Coulomb, Nitsche
-from ngsxfem_contact.pictures.split_mesh import SplitMesh
+from ngsxfem_contact.plotting.split_mesh import SplitMesh
 from study.paper import PAIRS
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose

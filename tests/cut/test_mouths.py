@@ -11,7 +11,7 @@ from ngsolve import BND, CF, GridFunction, Integrate, LinearForm, Mesh, specialc
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.geometry import EndKind
-from ngsxfem_contact.pictures.split_mesh import SplitMesh
+from ngsxfem_contact.plotting.split_mesh import SplitMesh
 
 MATERIAL = Elasticity.PlaneStrain(E=100, nu=0.3)
 SQUARE = rectangle(0.13)

@@ -98,7 +98,7 @@ def test_the_core_knows_no_python(path):
 def test_reading_solves_nothing():
     """Stress intensity factors and pictures are read from functions, however these were found."""
     order, uses = LAYERS["package"]
-    assert order.index("fracture") < order.index("contact") and order.index("pictures") < order.index("contact")
+    assert order.index("fracture") < order.index("contact") and order.index("plotting") < order.index("contact")
 
 
 def test_the_picture_is_that_of_the_sources():

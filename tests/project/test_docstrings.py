@@ -29,17 +29,13 @@ def described(docstring, section="Parameters"):
     return [name.lstrip("*") for head in heads for name in head.split(", ") if name]
 
 
-PICTURES = ["draw", "plot_body", "plot_mesh", "plot_profile", "save_vtk"]  # of pictures.plotting, as in docs/api.md
-
-
 def modules():
-    """(module, names that users import from it): the package, the folders that have an __all__, and the pictures."""
+    """(module, names that users import from it): the package, the folders that have an __all__."""
     yield ngsxfem_contact, ngsxfem_contact.__all__
     for folder in sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py")):
         module = importlib.import_module(f"ngsxfem_contact.{folder}")
         if hasattr(module, "__all__"):
             yield module, module.__all__
-    yield importlib.import_module("ngsxfem_contact.pictures.plotting"), PICTURES
 
 
 def public():

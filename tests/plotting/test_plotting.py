@@ -12,8 +12,9 @@ from netgen.geom2d import SplineGeometry
 from ngsolve import CF, BilinearForm, GridFunction, InnerProduct, LinearForm, Mesh
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, Strain, TipEnrichment
-from ngsxfem_contact.pictures import plotting, split_mesh
-from ngsxfem_contact.pictures.split_mesh import SplitMesh
+from ngsxfem_contact.plotting import plots as plotting
+from ngsxfem_contact.plotting import split_mesh
+from ngsxfem_contact.plotting.split_mesh import SplitMesh
 from ngsxfem_contact.points import crack_points
 
 MATERIAL = Elasticity(1, 1)

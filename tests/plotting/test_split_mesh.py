@@ -7,8 +7,8 @@ from ngsolve import CF, GridFunction, InnerProduct, Integrate, Mesh, ds, dx, x, 
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, Strain, TipEnrichment
-from ngsxfem_contact.pictures import split_mesh
-from ngsxfem_contact.pictures.split_mesh import SplitMesh
+from ngsxfem_contact.plotting import split_mesh
+from ngsxfem_contact.plotting.split_mesh import SplitMesh
 from ngsxfem_contact.points import crack_points
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
