@@ -1,6 +1,7 @@
 """The body of a part: its mesh, materials, cracks and spaces."""
 
 import gzip
+import zlib
 from collections.abc import Callable
 
 import netgen.meshing
@@ -56,7 +57,7 @@ def read_netgen(path):
     try:
         with (gzip.open if path.suffix == ".gz" else open)(path, "rt", encoding="utf-8", errors="replace") as file:
             lines = {line.strip() for line in file}
-    except EOFError as error:
+    except (EOFError, zlib.error) as error:
         raise UnreadableFile(f"{path} is no whole file: {error}") from None
     if not {"mesh3d", "endmesh"} <= lines:
         raise UnreadableFile(f"{path} is no mesh of Netgen, or not a whole one: it lacks a line mesh3d or endmesh")
