@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import zlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -66,7 +67,7 @@ def read_netgen(path: Path) -> netgen.meshing.Mesh:
     try:
         with (gzip.open if path.suffix == ".gz" else open)(path, "rt", encoding="utf-8", errors="replace") as file:
             lines = {line.strip() for line in file}
-    except EOFError as error:
+    except (EOFError, zlib.error) as error:
         raise UnreadableFile(f"{path} is no whole file: {error}") from None
     if not {"mesh3d", "endmesh"} <= lines:
         raise UnreadableFile(f"{path} is no mesh of Netgen, or not a whole one: it lacks a line mesh3d or endmesh")

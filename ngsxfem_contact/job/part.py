@@ -92,7 +92,7 @@ def read_part(path: str | Path, maxh: float | None = None) -> Part:
 def read_toml(path: Path) -> dict[str, Any]:
     """The file as a dictionary."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise RefusedPart(f"{path} is no TOML file: {error}") from None
 

@@ -354,3 +354,15 @@ def test_what_is_zero_is_as_if_it_were_not_there(tmp_path, load, support):
     (solution,) = part_of(tmp_path, text + ZERO.format(load=load, support=support)).Solve()
     (other,) = part_of(tmp_path, text + '[[load]]\ntraction = [0, -0.1]\nboundary = "top"\n').Solve()
     same(solution, other)
+
+
+def test_a_file_of_an_editor_that_marks_its_encoding(tmp_path):
+    text = SQUARE.format(crack="polyline = [[0, 0.51], [0.5, 0.51]]")
+    (tmp_path / "part.toml").write_text('title = "σ"\n' + text, encoding="utf-8-sig")
+    assert read_part(tmp_path / "part.toml").title == "σ"
+
+
+def test_a_compressed_mesh(tmp_path):
+    square(0.2).ngmesh.Save(str(tmp_path / "square.vol.gz"))
+    text = SQUARE.format(crack="polyline = [[0, 0.51], [0.5, 0.51]]").replace("rectangle = [[0, 0], [1, 1]]\nmaxh = 0.2", 'file = "square.vol.gz"')
+    assert part_of(tmp_path, text).problem.V.mesh.ne == square(0.2).ne

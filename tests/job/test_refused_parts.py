@@ -1,5 +1,6 @@
 """What a part's file cannot mean is refused: the message names the file, the table, the key, and what is allowed."""
 
+import gzip
 import re
 from pathlib import Path
 
@@ -186,6 +187,13 @@ def test_meshes_that_cannot_be_read(tmp_path, name, text, why):
 def test_what_a_mesh_that_is_read_cannot_have(tmp_path, more, why):
     file = f'file = "{DATA / "u0.088.vol"}"\n{more}'
     assert re.search(why, refusal(tmp_path, GOOD.replace("rectangle = [[0, 0], [1, 1]]\nmaxh = 0.25", file)))
+
+
+@pytest.mark.parametrize("damage", [lambda data: data[: len(data) // 2], lambda data: data[:200] + bytes(100) + data[300:]])
+def test_damaged_compressed_meshes(tmp_path, damage):
+    (tmp_path / "body.vol.gz").write_bytes(damage(gzip.compress((DATA / "u0.088.vol").read_bytes())))
+    message = refusal(tmp_path, GOOD.replace("rectangle = [[0, 0], [1, 1]]\nmaxh = 0.25", 'file = "body.vol.gz"'))
+    assert re.search(r"\[mesh\], file: .*body.vol.gz is no whole file", message)
 
 
 def test_another_size_for_a_mesh_that_is_read(tmp_path):
