@@ -11,6 +11,11 @@ def distance_to_segments(a, b, point):
     return float(np.hypot(*(a + t[:, None] * (b - a) - point).T).min())
 
 
+def place(point):
+    """A point in a message."""
+    return f"({point[0]:.4g}, {point[1]:.4g})"
+
+
 def crack_points(body, crack, arclengths):
     """NGSolve's mesh points at arc lengths of a crack, each in an element that carries that part of it."""
     elements, xi, eta = body.OnCrack(crack, list(arclengths))

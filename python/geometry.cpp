@@ -128,6 +128,7 @@ static void ExportLocation (py::module & m)
                   "The largest radius of a disk of singular functions: the least of the distances to the boundary, to other cracks and to the next kink, of\n"
                   "half the distance to other tips and of half the radius of curvature.")
     .def_readonly("limit", &Tip::limit, "What sets the clearance, in words.")
+    .def_readonly("distances", &Tip::distances, "Pairs (distance, what is there, in words): of the boundary of the body and of the other cracks.")
     .def_property_readonly("point", [] (const Tip & t) { return ToPair(t.point); }, "Its place (x, y).")
     .def_property_readonly("ahead", [] (const Tip & t) { return ToPair(t.ahead); }, "The unit direction in which the crack would grow straight on.")
     .def("__repr__", [] (const Tip & t) { return py::str("Tip(point={}, crack={}, clearance={:.6g})").format(ToPair(t.point), t.crack, t.clearance); });

@@ -20,6 +20,7 @@ namespace ngsxfem_contact
     int plus_sign;               // the sign of θ on the plus side, θ = 0 ahead
     double clearance;            // to ∂Ω, other cracks, the next kink, half the way to other tips, half of the radius of curvature
     std::string limit;           // what sets the clearance
+    std::vector<std::pair<double, std::string>> distances {};    // of ∂Ω and of the other cracks
   };
 
   /// What a mesh was when cracks were located in it.
@@ -75,6 +76,6 @@ namespace ngsxfem_contact
     void FindCutElements ();
     void FindTips (const BodyBoundary & boundary);
     void SetClearance (Tip & tip, const BodyBoundary & boundary) const;
-    void LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
+    void LimitByOwnCrack (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
   };
 }

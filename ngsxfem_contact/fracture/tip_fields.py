@@ -5,8 +5,7 @@ from math import pi
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
 
-from ..pictures.split_mesh import mesh_arrays
-from ..points import distance_to_segments
+from ..spaces.tip_disk import distance_to_others
 
 SIDE = {"plus": 1, "minus": -1}
 
@@ -87,17 +86,12 @@ class TipFrame:
     def Clearance(self, material=None, obstacles=()):
         """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
 
+        Domains of integrals may hold kinks, and reach farther than half the way to other tips: they have more room than disks of functions.
         material: with that of several regions also of the regions that are not of the tip's material.
         obstacles: further pairs (distance, what).
         """
         point, crack = np.array(self.tip.point), self.crack
-        found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]
-        found += obstacles
-        if hasattr(material, "regions"):
-            found.append((distance_to_others(self.body.mesh, point, material), "another material"))
-        for number, other in enumerate(self.body.cracks):
-            if number != self.tip.crack:
-                found.append((float(np.hypot(*(other.PointAt(other.ArcLength(tuple(point))) - point))), f"crack {number}"))
+        found = [*self.tip.distances, *obstacles, (distance_to_others(self.body.mesh, point, material), "another material")]
         path = np.array([crack.PointAt(s) for s in np.linspace(0, crack.length, 500)]) - point
         distance = np.hypot(*path.T)
         found.append((distance[0 if self.tip.s > 0 else -1], "the crack's other end"))
@@ -113,12 +107,6 @@ def boundary_segments(mesh):
     return tuple(np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
 
 
-def distance_to_boundary(mesh, point):
-    """Of a point from ∂Ω, without inner interfaces."""
-    a, b = boundary_segments(mesh)
-    return distance_to_segments(a, b, point)
-
-
 def distance_along(mesh, point, direction):
     """From a point inside in a direction of unit length to ∂Ω."""
     a, b = boundary_segments(mesh)
@@ -129,15 +117,6 @@ def distance_along(mesh, point, direction):
     way = (start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / across
     share = (start[:, 0] * direction[1] - start[:, 1] * direction[0]) / across
     return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min()
-
-
-def distance_to_others(mesh, point, material):
-    """Of a point from the triangles of another material than that at the point; inf if there are none."""
-    here = material.At(mesh, point)
-    other = np.array([region != here for region in material.regions])
-    vertices, triangles = mesh_arrays(mesh)
-    corners = vertices[triangles[other[[el.index for el in mesh.Elements()]]]]
-    return distance_to_segments(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), point) if len(corners) else np.inf
 
 
 def _angular(kappa, c, s):

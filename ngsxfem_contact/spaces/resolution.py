@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..errors import warn
+from ..points import place
 from .tip_disk import largest_disk
 
 CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
@@ -68,8 +69,3 @@ def warn_of_short_increment(body, tip, advance):
         f"leaves the tip's functions little room, and K is wrong by several percent; choose da >= {INCREMENT * size:.2g}, or refine to h <= {advance / INCREMENT:.2g} there"
     )
     return True
-
-
-def place(point):
-    """A point in a message."""
-    return f"({point[0]:.4g}, {point[1]:.4g})"
