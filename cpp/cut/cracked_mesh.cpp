@@ -91,12 +91,12 @@ namespace ngsxfem_contact
     limit(tip.curve.CurvatureLimit(), "half of the crack's radius of curvature");
     auto & crack = cracks[tip.crack];
     double followed = tip.curve.ReachLength(), tolerance = 1e-10*crack.Length();
-    for (size_t i = 0; i < crack.NumSegments(); i++)
+    for (size_t i = 0; i < crack.NumPieces(); i++)
       {
         auto & piece = crack.Piece(i);
         auto [nearer, farther] = std::minmax({ std::abs(crack.ArcLength(i)-tip.s), std::abs(crack.ArcLength(i+1)-tip.s) });
         if (nearer >= followed-tolerance)
-          limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "another segment of the same crack");
+          limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "another piece of the same crack");
         else if (farther > followed+tolerance)
           // a piece that turns back
           for (double s : piece.Samples(0.02))

@@ -9,10 +9,9 @@ namespace ngsxfem_contact
   /// One of the cracks that meet an element. larger: the side of the larger one of the two parts directly beside it.
   struct ElementCrack { size_t crack; const ElementLocation * location; Side larger; };
 
-  struct ElementPart
+  struct ElementPart : Part
   {
-    Piece piece;
-    size_t crack;                     // to which piece.side and piece.curved refer
+    size_t crack;                     // to which side and curved refer
     std::vector<Side> sides;          // with respect to each crack of the element
     std::vector<bool> larger;         // for each crack: whether this belongs to the larger part beside it
   };

@@ -71,17 +71,17 @@ namespace ngsxfem_contact
               aligned[AlignedEdge(element, t, clip.chord)].push_back(element);
               continue;
             }
-          bool tip = (i == 0 && clip.starts_inside) || (i+1 == crack.NumSegments() && clip.ends_inside);
+          bool tip = (i == 0 && clip.starts_inside) || (i+1 == crack.NumPieces() && clip.ends_inside);
           if (tip) location.kind = ElementKind::Tip;
           location.degeneracy.kink_inside |= (clip.starts_inside && i > 0 && crack.IsKink(i))
-            || (clip.ends_inside && i+1 < crack.NumSegments() && crack.IsKink(i+1));
+            || (clip.ends_inside && i+1 < crack.NumPieces() && crack.IsKink(i+1));
           location.chords.push_back(clip.chord);
           straightened.push_back(clip.straightened);
         }
     if (location.chords.empty()) return;
     CheckConnected(location);
     if (location.curved) Straighten(location, straightened);
-    SetPieces(location);
+    SetParts(location);
     index[element] = elements.size();
     elements.push_back(std::move(location));
   }
@@ -106,21 +106,21 @@ namespace ngsxfem_contact
       {
         auto & from = chords[i-1], & to = chords[i];
         if (to.s0-from.s1 <= tolerance) continue;
-        bool onward = Dot(crack.Tangent(from.segment, from.s1), crack.Tangent(to.segment, to.s0)) > 0.5;
+        bool onward = Dot(crack.Tangent(from.piece, from.s1), crack.Tangent(to.piece, to.s0)) > 0.5;
         if (to.s0-from.s1 > 2*location.h || !onward)
           throw Exception("CrackedMesh: the crack passes more than once through the element " + Place(location.triangle)
                           + "; refine the mesh there (h below the distance of the two passes)");
       }
   }
 
-  void CrackLocation :: SetPieces (ElementLocation & location) const
+  void CrackLocation :: SetParts (ElementLocation & location) const
   {
     auto & in_triangle = location.CrackInTriangle(crack);
     auto & chords = location.straightened ? location.straightened->chords : location.chords;
-    location.pieces = Divide(Polygon(location.triangle.begin(), location.triangle.end()), chords, in_triangle, tolerance);
+    location.parts = Divide(Polygon(location.triangle.begin(), location.triangle.end()), chords, in_triangle, tolerance);
     location.area_plus = location.area_minus = 0;
-    for (auto & piece : location.pieces)
-      (piece.side == Side::Plus ? location.area_plus : location.area_minus) += Area(piece, in_triangle);
+    for (auto & part : location.parts)
+      (part.side == Side::Plus ? location.area_plus : location.area_minus) += Area(part, in_triangle);
   }
 
   size_t CrackLocation :: AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const
@@ -128,8 +128,8 @@ namespace ngsxfem_contact
     for (auto edge : mesh.GetElement(ElementId(VOL, element)).Edges())
       {
         auto [v0, v1] = mesh.GetEdgePNums(edge);
-        if (std::abs(crack.LineDistance(chord.segment, mesh.GetPoint<2>(v0))) <= tolerance &&
-            std::abs(crack.LineDistance(chord.segment, mesh.GetPoint<2>(v1))) <= tolerance)
+        if (std::abs(crack.LineDistance(chord.piece, mesh.GetPoint<2>(v0))) <= tolerance &&
+            std::abs(crack.LineDistance(chord.piece, mesh.GetPoint<2>(v1))) <= tolerance)
           return edge;
       }
     throw Exception("CrackedMesh: the element " + Place(t) + " is degenerate, its corners lie on a line; mesh the body anew");
@@ -152,7 +152,7 @@ namespace ngsxfem_contact
           {
             ElementMap map(mesh, owner);
             ElementLocation location { owner, ElementKind::Aligned, {}, map.Corners(), LongestEdge(map.Corners()), {}, {}, 0, 0, map.IsCurved(), nullptr };
-            SetPieces(location);
+            SetParts(location);
             index[owner] = elements.size();
             elements.push_back(std::move(location));
           }

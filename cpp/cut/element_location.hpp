@@ -23,7 +23,7 @@ namespace ngsxfem_contact
   /// The part of Γ_C in a curved element, in the coordinates of its straight triangle (ElementMap), as a crack of its own.
   struct StraightenedCrack { Crack crack; std::vector<Chord> chords; };
 
-  /// Of a curved element all but the chords refers to its straight triangle: the areas, and the pieces, whose curved sides are parts of
+  /// Of a curved element all but the chords refers to its straight triangle: the areas, and the parts, whose curved sides are stretches of
   /// the straightened crack.
   struct ElementLocation
   {
@@ -33,11 +33,11 @@ namespace ngsxfem_contact
     Triangle triangle;
     double h;                       // longest edge
     std::vector<Chord> chords;      // in the order of arc length; the crack may leave T for a moment between two of them
-    std::vector<Piece> pieces;
+    std::vector<Part> parts;
     double area_plus, area_minus;
     bool curved;
     shared_ptr<const StraightenedCrack> straightened;       // where the crack crosses or ends in a curved element
-    /// The crack that the pieces refer to.
+    /// The crack that the parts refer to.
     const Crack & CrackInTriangle (const Crack & crack) const { return straightened ? straightened->crack : crack; }
     Side Larger () const { return LargerSide(area_plus, area_minus); }
     double S0 () const { return chords.front().s0; }
@@ -86,15 +86,15 @@ namespace ngsxfem_contact
   private:
     struct Clip { bool aligned; Chord chord; bool starts_inside, ends_inside; PiecePtr straightened; };
     struct Inside { double t0, t1; bool starts, ends; };
-    std::vector<Clip> ClipPiece (size_t element, const ElementMap & map, size_t segment) const;
-    std::optional<Clip> ClipSegment (const Triangle & t, size_t segment) const;
-    std::vector<Inside> PartsInside (const CurvePiece & piece, size_t element, const Triangle & t) const;
-    std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t segment) const;
-    std::vector<Clip> ClipInCurved (size_t element, const ElementMap & map, size_t segment) const;
+    std::vector<Clip> ClipPiece (size_t element, const ElementMap & map, size_t piece) const;
+    std::optional<Clip> ClipSegment (const Triangle & t, size_t piece) const;
+    std::vector<Inside> RangesInside (const CurvePiece & piece, size_t element, const Triangle & t) const;
+    std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t piece) const;
+    std::vector<Clip> ClipInCurved (size_t element, const ElementMap & map, size_t piece) const;
     void Straighten (ElementLocation & location, const std::vector<PiecePtr> & pieces) const;
     std::vector<size_t> ElementsBeside () const;
     void LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned);
-    void SetPieces (ElementLocation & location) const;
+    void SetParts (ElementLocation & location) const;
     void LocateAligned (const std::map<size_t, std::vector<size_t>> & aligned);
     size_t AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const;
     void LocateEnds (const std::vector<size_t> & beside);

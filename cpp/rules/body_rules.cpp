@@ -86,20 +86,20 @@ namespace ngsxfem_contact
       }
 
       /// Halved where it meets two disks; then the disk nearer to the crack's part decides.
-      void AppendCurvedPart (const Piece & piece, const Crack & crack, PointRule & rule, int depth = 3) const
+      void AppendCurvedPart (const Part & part, const Crack & crack, PointRule & rule, int depth = 3) const
       {
-        auto near = TipsNear(piece.triangle);
-        auto [segment, s0, s1] = *piece.curved;
-        if (near.empty()) return AppendCone(piece, crack, order, rule);
+        auto near = TipsNear(part.triangle);
+        auto [piece, s0, s1] = *part.curved;
+        if (near.empty()) return AppendCone(part, crack, order, rule);
         double middle = 0.5*(s0+s1);
-        Point apex = piece.triangle[0], m = crack.PointAt(segment, middle);
+        Point apex = part.triangle[0], m = crack.PointAt(piece, middle);
         if (near.size() > 1 && depth > 0)
           {
-            AppendCurvedPart({ { apex, piece.triangle[1], m }, piece.side, Chord { segment, s0, middle } }, crack, rule, depth-1);
-            AppendCurvedPart({ { apex, m, piece.triangle[2] }, piece.side, Chord { segment, middle, s1 } }, crack, rule, depth-1);
+            AppendCurvedPart({ { apex, part.triangle[1], m }, part.side, Chord { piece, s0, middle } }, crack, rule, depth-1);
+            AppendCurvedPart({ { apex, m, part.triangle[2] }, part.side, Chord { piece, middle, s1 } }, crack, rule, depth-1);
           }
         else
-          AppendConeNearTip(piece, crack, order, *Nearest(near, m), rule);
+          AppendConeNearTip(part, crack, order, *Nearest(near, m), rule);
       }
 
       template <typename F>
@@ -111,10 +111,10 @@ namespace ngsxfem_contact
         return std::make_unique<ElementRule>(std::move(ir));
       }
 
-      void AppendPiece (const CutElement & cut, const ElementPart & part, PointRule & rule) const
+      void AppendElementPart (const CutElement & cut, const ElementPart & part, PointRule & rule) const
       {
-        if (part.piece.curved) AppendCurvedPart(part.piece, cut.CrackOf(body.Cracks(), part), rule);
-        else AppendPart(part.piece.triangle, rule);
+        if (part.curved) AppendCurvedPart(part, cut.CrackOf(body.Cracks(), part), rule);
+        else AppendPart(part.triangle, rule);
       }
 
       /// For the Jacobian of a curved element, and a crack that is bent in its coordinates.
@@ -140,7 +140,7 @@ namespace ngsxfem_contact
             };
             auto maker = map.IsCurved() ? Raised() : *this;
             for (auto & part : cut->parts)
-              if (belongs(part)) maker.AppendPiece(*cut, part, points);
+              if (belongs(part)) maker.AppendElementPart(*cut, part, points);
           }
         else
           AppendPart(map.Corners(), points);
@@ -181,11 +181,11 @@ namespace ngsxfem_contact
             std::sort(cuts.begin(), cuts.end());
             for (size_t i = 0; i+1 < cuts.size(); i++)
               {
-                auto at = [&] (double s) { return crack.PointAt(chord.segment, s); };
+                auto at = [&] (double s) { return crack.PointAt(chord.piece, s); };
                 Point a = at(cuts[i]), b = at(cuts[i+1]);
                 auto tip = Nearest(near, Lerp(a, b, 0.5));
-                if (crack.IsStraight(chord.segment)) AppendSegment(a, b, order, tip, location.h, rule);
-                else AppendCurve(crack, { chord.segment, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
+                if (crack.IsStraight(chord.piece)) AppendSegment(a, b, order, tip, location.h, rule);
+                else AppendCurve(crack, { chord.piece, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
               }
           }
       }

@@ -17,7 +17,7 @@ def sides_of_parts(parts):
     """The signs with respect to its cracks of the parts of an element, each once: {()} for an element that no crack meets."""
     if not parts:
         return {()}
-    corners = np.array([part.piece.triangle for part in parts])
+    corners = np.array([part.triangle for part in parts])
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     areas = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
     return {tuple(map(int, part.sides)) for part, area in zip(parts, areas) if area > SLIVER * areas.max()}
