@@ -100,9 +100,9 @@ static void ExportLocation (py::module & m)
     .def_readonly("h", &ElementLocation::h, "The longest edge h_T, in the user's unit of length.")
     .def_readonly("curved", &ElementLocation::curved, "Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle.")
     .def_readonly("parts", &ElementLocation::parts, "The Parts into which the crack divides it; one for an aligned element.")
-    .def_readonly("area_plus", &ElementLocation::area_plus, "The area of its part on the plus side.")
-    .def_readonly("area_minus", &ElementLocation::area_minus, "The area of its part on the minus side.")
-    .def_property_readonly("larger", &ElementLocation::Larger, "The Side of its larger part, Plus for equal ones: the part whose stress is R_h.")
+    .def_property_readonly("area_plus", [] (const ElementLocation & l) { return l.areas.plus; }, "The area of its part on the plus side.")
+    .def_property_readonly("area_minus", [] (const ElementLocation & l) { return l.areas.minus; }, "The area of its part on the minus side.")
+    .def_property_readonly("larger", [] (const ElementLocation & l) { return l.areas.Larger(); }, "The Side of its larger part, Plus for equal ones: the part whose stress is R_h.")
     .def_property_readonly("chords", [] (const ElementLocation & l)
          {
            std::vector<Pair> chords;

@@ -54,7 +54,7 @@ namespace ngsxfem_contact
     std::map<size_t, std::vector<ElementCrack>> meetings;
     for (size_t c = 0; c < cracks.size(); c++)
       for (auto & location : locations[c].Elements())
-        meetings[location.element].push_back({ c, &location, Side::Plus });
+        meetings[location.element].push_back({ c, &location, location.kind, location.areas, Side::Plus });
     for (auto & [element, meeting] : meetings)
       cut_elements.emplace(element, CutElement(cracks, std::move(meeting)));
   }
@@ -103,6 +103,25 @@ namespace ngsxfem_contact
             if (std::abs(crack.ArcLength(i)+s-tip.s) >= followed-tolerance)
               limit(0.98*Norm(Point(piece.PointAt(s)-tip.point)), "the same crack, which turns back");
       }
+  }
+
+  Frame<2> CrackedMesh :: FrameAt (size_t crack, Point x) const
+  {
+    Point t = cracks[crack].Tangent(cracks[crack].Nearest(x));
+    return { Left(t), { t } };
+  }
+
+  size_t CrackedMesh :: CrackAt (const ElementCracks * element, Point x) const
+  {
+    if (element) return static_cast<const CutElement*>(element)->CrackAt(cracks, x).crack;
+    return std::ranges::min_element(cracks, {}, [x] (auto & crack) { return crack.Nearest(x).distance; }) - cracks.begin();
+  }
+
+  std::vector<size_t> CrackedMesh :: ElementsOf (size_t crack) const
+  {
+    std::vector<size_t> elements;
+    for (auto & location : Location(crack).Elements()) elements.push_back(location.element);
+    return elements;
   }
 
   const CutElement * CrackedMesh :: Find (size_t element) const

@@ -143,7 +143,8 @@ namespace ngsxfem_contact
 
       void AppendDivided (const Polygon & polygon, size_t k)
       {
-        auto & [number, location, larger] = element.cracks[k];
+        size_t number = element.cracks[k].crack;
+        auto location = element.cracks[k].location;
         std::vector<Chord> chords;
         for (auto & chord : location->chords)
           if (!LiesOnEdge(all[number], chord, *location)) chords.push_back(chord);
@@ -160,28 +161,30 @@ namespace ngsxfem_contact
     /// Whether a part lies directly beside the k-th crack: no other crack that divides the element is between them.
     bool IsBeside (const ElementPart & part, const CutElement & element, const std::vector<Crack> & all, size_t k)
     {
-      auto & [number, location, larger] = element.cracks[k];
-      auto & chord = location->chords.front();
+      size_t number = element.cracks[k].crack;
+      auto & chord = element.cracks[k].location->chords.front();
       Point on = all[number].PointAt(chord.piece, 0.5*(chord.s0+chord.s1));
       for (size_t d = 0; d < element.cracks.size(); d++)
-        if (d != k && element.cracks[d].location->kind == ElementKind::Cut && part.sides[d] != all[element.cracks[d].crack].SideOf(on)) return false;
+        if (d != k && element.cracks[d].kind == ElementKind::Cut && part.sides[d] != all[element.cracks[d].crack].SideOf(on)) return false;
       return true;
     }
 
     void SetLarger (CutElement & element, const std::vector<Crack> & all, size_t k)
     {
-      double plus = 0, minus = 0;
+      Measures beside;
       for (auto & part : element.parts)
-        if (IsBeside(part, element, all, k)) (part.sides[k] == Side::Plus ? plus : minus) += Area(part, element.CrackOf(all, part));
-      element.cracks[k].larger = LargerSide(plus, minus);
+        if (IsBeside(part, element, all, k)) beside[part.sides[k]] += Area(part, element.CrackOf(all, part));
+      element.cracks[k].larger = beside.Larger();
       for (auto & part : element.parts)
         part.larger.push_back(part.sides[k] == element.cracks[k].larger && IsBeside(part, element, all, k));
     }
   }
 
-  CutElement :: CutElement (const std::vector<Crack> & all, std::vector<ElementCrack> acracks) : cracks(std::move(acracks))
+  CutElement :: CutElement (const std::vector<Crack> & all, std::vector<ElementCrack> acracks)
+    : ElementCracks { std::move(acracks), 0 }
   {
     auto & t = cracks[0].location->triangle;
+    h = cracks[0].location->h;
     if (IsShared())
       {
         if (cracks[0].location->curved)
@@ -200,11 +203,5 @@ namespace ngsxfem_contact
   {
     if (!IsShared()) return cracks[0];
     return *std::min_element(cracks.begin(), cracks.end(), [&] (auto & a, auto & b) { return all[a.crack].Nearest(x).distance < all[b.crack].Nearest(x).distance; });
-  }
-
-  const ElementCrack * CutElement :: Find (size_t crack) const
-  {
-    for (auto & here : cracks) if (here.crack == crack) return &here;
-    return nullptr;
   }
 }

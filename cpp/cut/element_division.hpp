@@ -11,8 +11,6 @@ namespace ngsxfem_contact
 
   double Area (const Triangle & t);
   double LongestEdge (const Triangle & t);
-  /// The side of the larger one of two measures; plus if they are equal but for round-off, so that no numbering decides.
-  inline Side LargerSide (double plus, double minus) { return plus >= (1-1e-8)*minus ? Side::Plus : Side::Minus; }
   Point Centre (const Polygon & polygon);
   /// A convex polygon as triangles.
   std::vector<Triangle> Fan (const Polygon & polygon);

@@ -1,22 +1,13 @@
 #pragma once
 // Where each element lies with respect to one crack, and the triangles that a crack divides it into.
 
+#include "cut/cut_geometry.hpp"
 #include "cut/element_map.hpp"
 #include <map>
 #include <set>
 
 namespace ngsxfem_contact
 {
-  using std::shared_ptr;
-
-  enum class ElementKind
-    {
-      Uncut,      // Γ_C does not meet the open element (it may pass through a vertex)
-      Cut,        // Γ_C crosses it from boundary to boundary
-      Tip,        // Γ_C ends inside
-      Aligned     // Γ_C runs along an edge that this element carries for both neighbours
-    };
-
   /// The special positions. A position that holds to within geometric_tolerance counts as exact.
   struct Degeneracy { bool through_vertex = false, along_edge = false, tip_on_edge = false, tip_on_vertex = false, kink_inside = false; };
 
@@ -34,12 +25,11 @@ namespace ngsxfem_contact
     double h;                       // longest edge
     std::vector<Chord> chords;      // in the order of arc length; the crack may leave T for a moment between two of them
     std::vector<Part> parts;
-    double area_plus, area_minus;
+    Measures areas;
     bool curved;
     shared_ptr<const StraightenedCrack> straightened;       // where the crack crosses or ends in a curved element
     /// The crack that the parts refer to.
     const Crack & CrackInTriangle (const Crack & crack) const { return straightened ? straightened->crack : crack; }
-    Side Larger () const { return LargerSide(area_plus, area_minus); }
     double S0 () const { return chords.front().s0; }
     double S1 () const { return chords.back().s1; }
   };
@@ -77,9 +67,12 @@ namespace ngsxfem_contact
     const ElementLocation * Find (size_t element) const;
     /// The element that carries arc length s, or is nearest to it; of two that meet there the one in which the crack ends.
     const ElementLocation & At (double s) const;
-    const CutBoundaryEdge * FindBoundaryEdge (size_t bnd_element) const;
     const std::map<size_t, CutBoundaryEdge> & BoundaryEdges() const { return boundary_edges; }
-    const std::set<size_t> & AlignedEdges() const { return aligned_edges; }
+    /// See CutGeometry.
+    bool EndsIn (NodeId node, FlatArray<int> support) const;
+    bool RunsAlong (NodeId node) const;
+    Side SideBeyond (size_t element, size_t edge) const;
+    std::optional<Measures> BoundarySizes (size_t bnd_element) const;
     const std::array<CrackEnd,2> & Ends() const { return ends; }
     double Tolerance() const { return tolerance; }
 
@@ -102,6 +95,7 @@ namespace ngsxfem_contact
     void LocateBoundary ();
     void CheckCovered () const;
     void MakeIntervals ();
+    bool HasVertex (size_t edge, NodeId node) const;
     void CheckConnected (const ElementLocation & location) const;
     void MarkDegenerate (ElementLocation & location) const;
   };

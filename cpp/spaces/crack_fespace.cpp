@@ -16,7 +16,7 @@ namespace ngsxfem_contact
     }
   }
 
-  CrackFESpace :: CrackFESpace (shared_ptr<CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags)
+  CrackFESpace :: CrackFESpace (shared_ptr<const CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags)
     : FESpace(abody->GetMesh(), Fixed(flags)), body(abody), tolerance(atolerance)
   {
     type = "crackfespace";
@@ -192,14 +192,14 @@ namespace ngsxfem_contact
 
   int CrackFESpace :: SideOfBoundaryElement (size_t element, const Support & support) const
   {
-    if (body->Location(support.crack).FindBoundaryEdge(element)) return 0;
+    if (Geometry().BoundarySizes(support.crack, element)) return 0;
     auto el = ma->GetElement(ElementId(BND, element));
     Array<int> neighbours;
     ma->GetEdgeElements(el.Edges()[0], neighbours);
     for (auto neighbour : neighbours)
       if (auto it = support.sides.find(neighbour); it != support.sides.end() && it->second != 0) return it->second;
     auto v = el.Vertices();
-    return int(body->GetCrack(support.crack).SideOf(Lerp(ma->GetPoint<2>(v[0]), ma->GetPoint<2>(v[1]), 0.5)));
+    return int(Geometry().SideOf(support.crack, Lerp(ma->GetPoint<2>(v[0]), ma->GetPoint<2>(v[1]), 0.5)));
   }
 
   void CrackFESpace :: CollectHeaviside (VorB vb)
