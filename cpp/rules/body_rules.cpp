@@ -264,15 +264,40 @@ namespace ngsxfem_contact
     return table;
   }
 
-  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDisks & disks)
+  namespace
   {
-    static std::mutex mutex;
-    static std::map<std::pair<const CrackedMesh*, TipDisks>, std::weak_ptr<const BodyRules>> known;
-    std::lock_guard guard(mutex);
-    std::erase_if(known, [] (auto & item) { return item.second.expired(); });
-    auto & kept = known[{ body.get(), disks }];
-    auto rules = kept.lock();
-    if (!rules) kept = rules = make_shared<BodyRules>(body, disks);
-    return rules;
+    /// The rules that are in use.
+    class KeptRules
+    {
+      std::mutex mutex;
+      std::map<std::pair<const CrackedMesh*, TipDisks>, std::weak_ptr<const BodyRules>> known;
+
+    public:
+      shared_ptr<const BodyRules> Find (shared_ptr<const CrackedMesh> body, const TipDisks & disks)
+      {
+        std::lock_guard guard(mutex);
+        Forget();
+        auto & kept = known[{ body.get(), disks }];
+        auto rules = kept.lock();
+        if (!rules) kept = rules = make_shared<BodyRules>(body, disks);
+        return rules;
+      }
+
+      size_t Count (const CrackedMesh & body)
+      {
+        std::lock_guard guard(mutex);
+        Forget();
+        return std::ranges::count_if(known, [&] (auto & item) { return item.first.first == &body; });
+      }
+
+    private:
+      void Forget () { std::erase_if(known, [] (auto & item) { return item.second.expired(); }); }
+    };
+
+    KeptRules kept_rules;
   }
+
+  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDisks & disks) { return kept_rules.Find(std::move(body), disks); }
+
+  size_t NumKeptRules (const CrackedMesh & body) { return kept_rules.Count(body); }
 }

@@ -80,6 +80,9 @@ namespace ngsxfem_contact
   /// The rules of a body for functions with these disks. Who asks for equal ones while somebody keeps them gets the same.
   shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDisks & disks);
 
+  /// How many sets of rules of a body, for different disks, somebody keeps.
+  size_t NumKeptRules (const CrackedMesh & body);
+
   /// A space with functions that ask for rules of their own.
   class AsksForRules
   {
