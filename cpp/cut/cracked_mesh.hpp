@@ -33,7 +33,7 @@ namespace ngsxfem_contact
     auto operator<=> (const MeshState &) const = default;
   };
 
-  /// The plane's CutGeometry: says where things are, and never changes. (final: calls through a CrackedMesh are not virtual.)
+  /// The CutGeometry of the plane: says where things are, and never changes. It is final, so that calls through its own type are not virtual.
   class CrackedMesh final : public CutGeometry<2>
   {
     shared_ptr<MeshAccess> mesh;

@@ -4,7 +4,7 @@ namespace ngsxfem_contact
 {
   using namespace ngfem;
 
-  CrackFrame :: CrackFrame (shared_ptr<const CutGeometry<2>> abody, bool atangent)
+  CrackFrame :: CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent)
     : CoefficientFunctionNoDerivative(2), body(abody), tangent(atangent) { }
 
   Point CrackFrame :: At (size_t element, Point x) const
@@ -51,7 +51,7 @@ namespace ngsxfem_contact
       values(0, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane])); });
   }
 
-  CrackLimit :: CrackLimit (shared_ptr<const CutGeometry<2>> abody, shared_ptr<CoefficientFunction> afunction, int aside)
+  CrackLimit :: CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside)
     : CoefficientFunctionNoDerivative(afunction->Dimension()), body(abody), function(afunction), side(aside)
   { SetDimensions(function->Dimensions()); }
 

@@ -1,7 +1,8 @@
 #pragma once
 // The unit normal and tangent of the nearest point of Γ_C, what is known of it, and the side of a point, as coefficient functions.
+// A body is asked as a CutGeometry only, by its final type, so that no call in a loop over points is virtual.
 
-#include "cut/cut_geometry.hpp"
+#include "cut/cracked_mesh.hpp"
 #include <coefficient.hpp>
 #include <functional>
 
@@ -12,10 +13,10 @@ namespace ngsxfem_contact
   /// n (tangent = false) or t of the crack of the element; elsewhere of the nearest crack.
   class CrackFrame : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<const CutGeometry<2>> body;
+    shared_ptr<const CrackedMesh> body;
     bool tangent;
   public:
-    CrackFrame (shared_ptr<const CutGeometry<2>> abody, bool atangent);
+    CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent);
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
@@ -28,10 +29,10 @@ namespace ngsxfem_contact
   class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
   {
     using Label = std::function<double(const ElementCrack &)>;
-    shared_ptr<const CutGeometry<2>> body;
+    shared_ptr<const CrackedMesh> body;
     Label label;
   public:
-    CrackLabel (shared_ptr<const CutGeometry<2>> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
+    CrackLabel (shared_ptr<const CrackedMesh> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
@@ -43,11 +44,11 @@ namespace ngsxfem_contact
   /// points beside the crack, so that linear functions are exact.
   class CrackLimit : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<const CutGeometry<2>> body;
+    shared_ptr<const CrackedMesh> body;
     shared_ptr<CoefficientFunction> function;
     int side;
   public:
-    CrackLimit (shared_ptr<const CutGeometry<2>> abody, shared_ptr<CoefficientFunction> afunction, int aside);
+    CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside);
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
