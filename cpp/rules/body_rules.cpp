@@ -12,14 +12,14 @@ namespace ngsxfem_contact
     index[element] = it->second;
   }
 
-  TipDisks Merged (TipDisks a, const TipDisks & b)
+  TipDemands Merged (TipDemands a, const TipDemands & b)
   {
-    for (auto & [tip, disk] : b)
+    for (auto & [tip, demand] : b)
       {
-        auto & here = a.insert({ tip, disk }).first->second;
-        here.breaks.insert(disk.breaks.begin(), disk.breaks.end());
-        here.tolerance = std::min(here.tolerance, disk.tolerance);
-        here.smoothness = std::min(here.smoothness, disk.smoothness);
+        auto & here = a.insert({ tip, demand }).first->second;
+        here.breaks.insert(demand.breaks.begin(), demand.breaks.end());
+        here.tolerance = std::min(here.tolerance, demand.tolerance);
+        here.smoothness = std::min(here.smoothness, demand.smoothness);
       }
     return a;
   }
@@ -249,10 +249,10 @@ namespace ngsxfem_contact
     };
   }
 
-  BodyRules :: BodyRules (shared_ptr<const CrackedMesh> abody, TipDisks adisks) : body(std::move(abody)), disks(std::move(adisks))
+  BodyRules :: BodyRules (shared_ptr<const CrackedMesh> abody, TipDemands ademands) : body(std::move(abody)), demands(std::move(ademands))
   {
-    for (auto & [tip, disk] : disks)
-      tips.push_back({ body->Tips().at(tip).curve, body->Tips()[tip].point, disk.breaks, disk.tolerance, disk.smoothness });
+    for (auto & [tip, demand] : demands)
+      tips.push_back({ demand, body->Tips().at(tip).curve, body->Tips()[tip].point });
   }
 
   shared_ptr<const RuleTable> BodyRules :: Table (const RuleKind & kind, VorB vb, int order) const
@@ -270,16 +270,16 @@ namespace ngsxfem_contact
     class KeptRules
     {
       std::mutex mutex;
-      std::map<std::pair<const CrackedMesh*, TipDisks>, std::weak_ptr<const BodyRules>> known;
+      std::map<std::pair<const CrackedMesh*, TipDemands>, std::weak_ptr<const BodyRules>> known;
 
     public:
-      shared_ptr<const BodyRules> Find (shared_ptr<const CrackedMesh> body, const TipDisks & disks)
+      shared_ptr<const BodyRules> Find (shared_ptr<const CrackedMesh> body, const TipDemands & demands)
       {
         std::lock_guard guard(mutex);
         Forget();
-        auto & kept = known[{ body.get(), disks }];
+        auto & kept = known[{ body.get(), demands }];
         auto rules = kept.lock();
-        if (!rules) kept = rules = make_shared<BodyRules>(body, disks);
+        if (!rules) kept = rules = make_shared<BodyRules>(body, demands);
         return rules;
       }
 
@@ -297,7 +297,7 @@ namespace ngsxfem_contact
     KeptRules kept_rules;
   }
 
-  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDisks & disks) { return kept_rules.Find(std::move(body), disks); }
+  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDemands & demands) { return kept_rules.Find(std::move(body), demands); }
 
   size_t NumKeptRules (const CrackedMesh & body) { return kept_rules.Count(body); }
 }

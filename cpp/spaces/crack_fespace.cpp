@@ -56,7 +56,7 @@ namespace ngsxfem_contact
     if (specs.empty()) return;
     if (specs.size() != places.size())
       throw Exception("CrackFESpace: " + ngcore::ToString(specs.size()) + " tip enrichments for " + ngcore::ToString(places.size()) + " tips; give one for each (body.tips)");
-    TipDisks disks;
+    TipDemands demands;
     for (size_t i = 0; i < places.size(); i++)
       if (auto & spec = specs[i])
         {
@@ -67,9 +67,9 @@ namespace ngsxfem_contact
             throw Exception("CrackFESpace: the disk r1 = " + ngcore::ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
                             + tip.limit + ", at " + ngcore::ToString(tip.clearance) + "; choose r1 below that");
           tips[i].emplace(tip.crack, tip.curve, tip.plus_sign, *spec);
-          disks[i] = { { spec->r0, spec->r1 }, tolerance, spec->cutoff == CutOff::Cubic ? 1 : 2 };
+          demands[i] = { { spec->r0, spec->r1 }, tolerance, spec->cutoff == CutOff::Cubic ? 1 : 2 };
         }
-    rules = RulesOf(body, disks);
+    rules = RulesOf(body, demands);
   }
 
   void CrackFESpace :: SetTipMaterial (size_t tip, double kappa, double mu)
