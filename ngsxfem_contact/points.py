@@ -18,6 +18,11 @@ def distance_to_segments(a: np.ndarray, b: np.ndarray, point: np.ndarray) -> flo
     return float(np.hypot(*(a + t[:, None] * (b - a) - point).T).min())
 
 
+def place(point: tuple[float, float]) -> str:
+    """A point in a message."""
+    return f"({point[0]:.4g}, {point[1]:.4g})"
+
+
 def crack_points(body: CrackedMesh, crack: int, arclengths: list[float] | np.ndarray) -> np.ndarray:
     """NGSolve's mesh points at arc lengths of a crack, each in an element that carries that part of it."""
     elements, xi, eta = body.OnCrack(crack, list(arclengths))

@@ -59,13 +59,13 @@ static void ExportCrack (py::module & m)
     .def_property_readonly("kinks", [] (const Crack & c)
          {
            std::vector<double> kinks;
-           for (size_t i = 0; i <= c.NumSegments(); i++) if (c.IsKink(i)) kinks.push_back(c.ArcLength(i));
+           for (size_t i = 0; i <= c.NumPieces(); i++) if (c.IsKink(i)) kinks.push_back(c.ArcLength(i));
            return kinks;
          }, "Arc lengths at which the direction jumps; of a polyline all inner points.")
     .def_property_readonly("length", &Crack::Length, "The arc length from end to end, in the user's unit of length.")
     .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(ArcLengthOn(c, s))); }, py::arg("s"), "The point (x, y) at arc length s, 0 ≤ s ≤ length.")
-    .def("TangentAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); return ToPair(c.Tangent(c.SegmentAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
-    .def("CurvatureAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); size_t i = c.SegmentAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
+    .def("TangentAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); return ToPair(c.Tangent(c.PieceAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
+    .def("CurvatureAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); size_t i = c.PieceAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
          py::arg("s"), "The curvature at arc length s, > 0 where the crack turns left.")
     .def("Outline", [] (const Crack & c, double turn) { return ToPairs(c.Outline(turn)); }, py::arg("turn") = 0.05,
          "Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.")
@@ -90,21 +90,21 @@ static void ExportLocation (py::module & m)
     .def_readonly("tip_on_edge", &Degeneracy::tip_on_edge, "Whether it ends on an edge.")
     .def_readonly("tip_on_vertex", &Degeneracy::tip_on_vertex, "Whether it ends in a vertex.")
     .def_readonly("kink_inside", &Degeneracy::kink_inside, "Whether its direction jumps inside the element.");
-  py::class_<Piece>(m, "Piece", "A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension.")
-    .def_property_readonly("triangle", [] (const Piece & p) { return ToPairs(p.triangle); }, "The three corners (x, y).")
-    .def_readonly("side", &Piece::side, "The Side of the crack on which it lies.")
-    .def_property_readonly("curved", [] (const Piece & p) { return p.curved ? std::optional(std::pair(p.curved->s0, p.curved->s1)) : std::nullopt; },
+  py::class_<Part>(m, "Part", "A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension.")
+    .def_property_readonly("triangle", [] (const Part & p) { return ToPairs(p.triangle); }, "The three corners (x, y).")
+    .def_readonly("side", &Part::side, "The Side of the crack on which it lies.")
+    .def_property_readonly("curved", [] (const Part & p) { return p.curved ? std::optional(std::pair(p.curved->s0, p.curved->s1)) : std::nullopt; },
                            "Arc lengths between which the side opposite of corner 0 is a part of the crack, or None.");
   py::class_<ElementLocation>(m, "ElementLocation", "Where an element lies with respect to the crack that meets it, and its parts on either side.")
     .def_readonly("element", &ElementLocation::element, "The number of the element in the mesh.")
     .def_readonly("kind", &ElementLocation::kind, "Its ElementKind: Cut, Tip or Aligned.")
     .def_readonly("degeneracy", &ElementLocation::degeneracy, "The special positions that hold.")
     .def_readonly("h", &ElementLocation::h, "The longest edge h_T, in the user's unit of length.")
-    .def_readonly("curved", &ElementLocation::curved, "Whether the element is curved. Its triangle, pieces and areas are then those of its straight triangle.")
-    .def_readonly("pieces", &ElementLocation::pieces, "The Pieces into which the crack divides it; one for an aligned element.")
-    .def_readonly("area_plus", &ElementLocation::area_plus, "The area of its part on the plus side.")
-    .def_readonly("area_minus", &ElementLocation::area_minus, "The area of its part on the minus side.")
-    .def_property_readonly("larger", &ElementLocation::Larger, "The Side of its larger part, Plus for equal ones: the part whose stress is R_h.")
+    .def_readonly("curved", &ElementLocation::curved, "Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle.")
+    .def_readonly("parts", &ElementLocation::parts, "The Parts into which the crack divides it; one for an aligned element.")
+    .def_property_readonly("area_plus", [] (const ElementLocation & l) { return l.areas.plus; }, "The area of its part on the plus side.")
+    .def_property_readonly("area_minus", [] (const ElementLocation & l) { return l.areas.minus; }, "The area of its part on the minus side.")
+    .def_property_readonly("larger", [] (const ElementLocation & l) { return l.areas.Larger(); }, "The Side of its larger part, Plus for equal ones: the part whose stress is R_h.")
     .def_property_readonly("chords", [] (const ElementLocation & l)
          {
            std::vector<Pair> chords;
@@ -113,9 +113,8 @@ static void ExportLocation (py::module & m)
          }, "Arc lengths between which the crack is in the element.")
     .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); }, "Arc lengths at which the crack enters and leaves it.")
     .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); }, "The three corners (x, y) of the element.");
-  py::class_<ElementPart>(m, "ElementPart", "A part of an element that cracks meet.")
-    .def_readonly("piece", &ElementPart::piece, "Its triangle, side and curved side: a Piece.")
-    .def_readonly("crack", &ElementPart::crack, "The crack that the side and the curved side of the piece belong to.")
+  py::class_<ElementPart, Part>(m, "ElementPart", "A Part of an element that one crack or several meet.")
+    .def_readonly("crack", &ElementPart::crack, "The crack that its side and its curved side belong to.")
     .def_readonly("sides", &ElementPart::sides, "With respect to each of the element's cracks.")
     .def_readonly("larger", &ElementPart::larger, "For each of the element's cracks: whether this belongs to the larger part beside it.");
   py::enum_<EndKind>(m, "EndKind", "An end of a crack: a Tip inside the body or a Mouth on its boundary.").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
@@ -130,6 +129,7 @@ static void ExportLocation (py::module & m)
                   "The largest radius of a disk of singular functions: the least of the distances to the boundary, to other cracks and to the next kink, of\n"
                   "half the distance to other tips and of half the radius of curvature.")
     .def_readonly("limit", &Tip::limit, "What sets the clearance, in words.")
+    .def_readonly("distances", &Tip::distances, "Pairs (distance, what is there, in words): of the boundary of the body and of the other cracks.")
     .def_property_readonly("point", [] (const Tip & t) { return ToPair(t.point); }, "Its place (x, y).")
     .def_property_readonly("ahead", [] (const Tip & t) { return ToPair(t.ahead); }, "The unit direction in which the crack would grow straight on.")
     .def("__repr__", [] (const Tip & t) { return py::str("Tip(point={}, crack={}, clearance={:.6g})").format(ToPair(t.point), t.crack, t.clearance); });

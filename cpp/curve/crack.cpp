@@ -33,7 +33,7 @@ namespace ngsxfem_contact
 
   Crack :: Crack (std::vector<Point> apoints) : points(std::move(apoints))
   {
-    CheckSegments();
+    CheckPoints();
     for (size_t i = 0; i+1 < points.size(); i++)
       pieces.push_back(MakeSegment(points[i], points[i+1]));
     Measure();
@@ -46,7 +46,7 @@ namespace ngsxfem_contact
     points.push_back(pieces[0]->Value(0));
     for (auto & piece : pieces)
       points.push_back(piece->Value(piece->End()));
-    CheckSegments();
+    CheckPoints();
     CheckContinuous();
     Measure();
     CheckSelfContact();
@@ -55,10 +55,10 @@ namespace ngsxfem_contact
   void Crack :: Measure ()
   {
     arclength.push_back(0);
-    for (size_t i = 0; i < NumSegments(); i++)
+    for (size_t i = 0; i < NumPieces(); i++)
       arclength.push_back(arclength[i] + pieces[i]->Length());
     kink.assign(points.size(), false);
-    for (size_t i = 1; i < NumSegments(); i++)
+    for (size_t i = 1; i < NumPieces(); i++)
       kink[i] = Norm(Point(Tangent(i, arclength[i]) - Tangent(i-1, arclength[i])))
         > (IsStraight(i-1) && IsStraight(i) ? straight_turn : smooth_turn);
     MakeBoxes();
@@ -67,7 +67,7 @@ namespace ngsxfem_contact
   void Crack :: MakeBoxes ()
   {
     std::vector<Box> all;
-    for (size_t piece = 0; piece < NumSegments(); piece++)
+    for (size_t piece = 0; piece < NumPieces(); piece++)
       {
         constexpr double turn = 0.25;
         auto s = Samples(piece, turn);
@@ -84,7 +84,7 @@ namespace ngsxfem_contact
   std::vector<double> Crack :: Samples (size_t piece, double turn) const
   { return IsStraight(piece) ? std::vector<double> { 0, pieces[piece]->Length() } : pieces[piece]->Samples(turn); }
 
-  void Crack :: CheckSegments () const
+  void Crack :: CheckPoints () const
   {
     if (points.size() < 2)
       throw Exception("Crack: needs at least two points, got " + std::to_string(points.size()));
@@ -115,7 +115,7 @@ namespace ngsxfem_contact
   {
     struct Chord { Point a, b; size_t piece; double sagitta; };
     std::vector<Chord> chords;
-    for (size_t i = 0; i < NumSegments(); i++)
+    for (size_t i = 0; i < NumPieces(); i++)
       {
         constexpr double turn = 0.02;
         auto s = Samples(i, turn);
@@ -139,7 +139,7 @@ namespace ngsxfem_contact
             : Approach(c.a, c.b, d.a, d.b);
           double sagittas = j == i+1 ? 0 : c.sagitta + d.sagitta;
           if (distance <= geometric_tolerance * Length() + sagittas)
-            throw Exception("Crack: segments " + std::to_string(c.piece) + " and " + std::to_string(d.piece) + " meet near "
+            throw Exception("Crack: pieces " + std::to_string(c.piece) + " and " + std::to_string(d.piece) + " meet near "
                             + ToString(place) + "; a crack must not touch or cross itself: split or shorten it");
         });
   }
@@ -149,11 +149,11 @@ namespace ngsxfem_contact
 
   Point Crack :: Tangent (const Projection & at) const
   {
-    Point d = pieces[at.segment]->Derivative(at.t);
-    return IsStraight(at.segment) ? d : Point(1/Norm(d) * d);
+    Point d = pieces[at.piece]->Derivative(at.t);
+    return IsStraight(at.piece) ? d : Point(1/Norm(d) * d);
   }
 
-  size_t Crack :: SegmentAt (double s) const
+  size_t Crack :: PieceAt (double s) const
   {
     size_t i = std::lower_bound(arclength.begin()+1, arclength.end()-1, s) - arclength.begin();
     return i-1;
@@ -185,19 +185,19 @@ namespace ngsxfem_contact
     double t = piece.Nearest(p), end = piece.End();
     Point off = p-piece.Value(t);
     bool before = i == 0 && t <= 0 && Dot(off, piece.Derivative(t)) < 0;
-    bool after = i+1 == NumSegments() && t >= end && Dot(off, piece.Derivative(t)) > 0;
+    bool after = i+1 == NumPieces() && t >= end && Dot(off, piece.Derivative(t)) > 0;
     return { i, t, Norm(off), before || after };
   }
 
   Crack::Projection Crack :: Nearest (Point p) const
   {
-    Projection best { NumSegments(), 0, std::numeric_limits<double>::infinity(), false };
+    Projection best { NumPieces(), 0, std::numeric_limits<double>::infinity(), false };
     double least = best.distance, round_off = 1e-12*Length();
     boxes.VisitNear(p, least, [&] (size_t box)
     {
       size_t i = piece_of[box];
-      if (i != best.segment)
-        if (auto here = NearestOn(i, p); here.distance < best.distance || (here.distance == best.distance && i < best.segment)) best = here;
+      if (i != best.piece)
+        if (auto here = NearestOn(i, p); here.distance < best.distance || (here.distance == best.distance && i < best.piece)) best = here;
       return best.distance + round_off;
     });
     return best;
@@ -206,10 +206,10 @@ namespace ngsxfem_contact
   Side Crack :: SideOf (Point p) const
   {
     auto at = Nearest(p);
-    size_t i = at.segment;
+    size_t i = at.piece;
     double d = IsStraight(i) ? LineDistance(i, p) : Cross(Tangent(at), Point(p-pieces[i]->Value(at.t)));
-    // nearest to a kink: the sum of the two normals decides, whichever segment was found first
-    bool at_start = at.t <= 0 && i > 0, at_end = at.t >= pieces[i]->End() && i+1 < NumSegments();
+    // nearest to a kink: the sum of the two normals decides, whichever piece was found first
+    bool at_start = at.t <= 0 && i > 0, at_end = at.t >= pieces[i]->End() && i+1 < NumPieces();
     if (!at.beyond_end && (at_start || at_end))
       {
         size_t joint = at_start ? i : i+1;
@@ -221,7 +221,7 @@ namespace ngsxfem_contact
   std::vector<Point> Crack :: Outline (double turn) const
   {
     std::vector<Point> outline { points[0] };
-    for (size_t i = 0; i < NumSegments(); i++)
+    for (size_t i = 0; i < NumPieces(); i++)
       {
         if (!IsStraight(i))
           {

@@ -25,7 +25,7 @@ namespace ngsxfem_contact
 
     /// The ends of the pieces: the points of a polyline.
     const std::vector<Point> & Points() const { return points; }
-    size_t NumSegments() const { return pieces.size(); }
+    size_t NumPieces() const { return pieces.size(); }
     const CurvePiece & Piece (size_t i) const { return *pieces[i]; }
     const std::vector<PiecePtr> & Pieces() const { return pieces; }
     double Length() const { return arclength.back(); }
@@ -34,25 +34,25 @@ namespace ngsxfem_contact
     /// Whether the direction jumps at the i-th point.
     bool IsKink (size_t i) const { return kink[i]; }
 
-    Point Tangent (size_t segment, double s) const;
+    Point Tangent (size_t piece, double s) const;
     /// To the left of the direction of travel, from the minus to the plus side.
-    Point Normal (size_t segment, double s) const { return Left(Tangent(segment, s)); }
+    Point Normal (size_t piece, double s) const { return Left(Tangent(piece, s)); }
 
     /// The piece that carries arc length s; at an end of two the one that ends there.
-    size_t SegmentAt (double s) const;
-    Point PointAt (double s) const { return PointAt(SegmentAt(s), s); }
-    Point PointAt (size_t segment, double s) const;
+    size_t PieceAt (double s) const;
+    Point PointAt (double s) const { return PointAt(PieceAt(s), s); }
+    Point PointAt (size_t piece, double s) const;
     /// Signed distance of p from the infinite line of a straight piece, positive on the plus side.
-    double LineDistance (size_t segment, Point p) const;
-    bool IsStraight (size_t segment) const { return pieces[segment]->IsStraight(); }
+    double LineDistance (size_t piece, Point p) const;
+    bool IsStraight (size_t piece) const { return pieces[piece]->IsStraight(); }
     /// The pieces that may meet a box, ascending.
     std::vector<size_t> PiecesNear (const Box & box) const;
 
     /// t: the parameter of the piece.
-    struct Projection { size_t segment; double t, distance; bool beyond_end; };
+    struct Projection { size_t piece; double t, distance; bool beyond_end; };
     /// The nearest point of Γ_C.
     Projection Nearest (Point p) const;
-    double ArcLength (const Projection & at) const { return arclength[at.segment] + pieces[at.segment]->ArcLength(at.t); }
+    double ArcLength (const Projection & at) const { return arclength[at.piece] + pieces[at.piece]->ArcLength(at.t); }
     Point Tangent (const Projection & at) const;
     /// Side of p with respect to Γ_C and, beyond its ends, to their straight extensions. Plus on Γ_C itself.
     Side SideOf (Point p) const;
@@ -61,13 +61,13 @@ namespace ngsxfem_contact
     std::vector<Point> Outline (double turn = 0.02) const;
 
   private:
-    void CheckSegments() const;
+    void CheckPoints() const;
     void CheckContinuous() const;
     void CheckSelfContact() const;
     void Measure();
     void MakeBoxes();
     std::vector<double> Samples (size_t piece, double turn) const;
-    Projection NearestOn (size_t segment, Point p) const;
+    Projection NearestOn (size_t piece, Point p) const;
   };
 
   /// The distance of two cracks, and a point of the first where it is attained.

@@ -118,7 +118,7 @@ namespace ngsxfem_contact
       }
       int GaussPoints (int order, double, double) const override { return order/2+1; }
       bool IsStraight () const override { return true; }
-      PiecePtr Part (double t0, double t1) const override { return MakeSegment(Value(t0), Value(t1)); }
+      PiecePtr Between (double t0, double t1) const override { return MakeSegment(Value(t0), Value(t1)); }
       std::pair<std::string, std::vector<Point>> Description () const override { return { "segment", { a, b } }; }
     };
 
@@ -203,7 +203,7 @@ namespace ngsxfem_contact
           }
         return order/2 + 1 + extra;
       }
-      PiecePtr Part (double t0, double t1) const override
+      PiecePtr Between (double t0, double t1) const override
       {
         if (std::abs(t1-t0) < 1e-7*std::abs(radius)) return MakeSegment(Value(t0), Value(t1));      // three points on a line
         return MakeArc(Value(t0), Value(0.5*(t0+t1)), Value(t1));
@@ -227,7 +227,7 @@ namespace ngsxfem_contact
       Point Value (double t) const override { return Point(c[0] + t*(c[1] + t*(c[2] + t*c[3]))); }
       Point Derivative (double t) const override { return Point(c[1] + t*(2*c[2] + t*3*c[3])); }
       Point SecondDerivative (double t) const override { return Point(2*c[2] + 6*t*c[3]); }
-      PiecePtr Part (double t0, double t1) const override
+      PiecePtr Between (double t0, double t1) const override
       { return std::make_shared<Cubic>(Powers(Value(t0), Point((t1-t0)*Derivative(t0)), Value(t1), Point((t1-t0)*Derivative(t1)))); }
       void AppendCrossings (Point a, Point normal, std::vector<double> & t) const override
       {

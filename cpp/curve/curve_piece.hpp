@@ -46,7 +46,7 @@ namespace ngsxfem_contact
     virtual int GaussPoints (int order, double t0, double t1) const = 0;
     virtual bool IsStraight () const { return false; }
     /// The part between two parameters; they may lie a little beyond the ends, where the curve goes on.
-    virtual std::shared_ptr<const CurvePiece> Part (double t0, double t1) const = 0;
+    virtual std::shared_ptr<const CurvePiece> Between (double t0, double t1) const = 0;
     /// "segment", "arc" or "cubic", and the points that define it.
     virtual std::pair<std::string, std::vector<Point>> Description () const = 0;
 

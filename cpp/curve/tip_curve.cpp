@@ -20,7 +20,7 @@ namespace ngsxfem_contact
 
   TipCurve :: TipCurve (const Crack & curve, bool aat_end) : at_end(aat_end)
   {
-    size_t last = at_end ? curve.NumSegments()-1 : 0;
+    size_t last = at_end ? curve.NumPieces()-1 : 0;
     double s = at_end ? curve.Length() : 0;
     tip = curve.PointAt(last, s);
     Point t = curve.Tangent(last, s);
@@ -28,22 +28,22 @@ namespace ngsxfem_contact
     auto & piece = curve.Piece(last);
     double k = piece.Curvature(s-curve.ArcLength(last));
     curvature = piece.IsStraight() ? 0 : at_end ? -k : k;
-    bool alone = curve.NumSegments() == 1 || Ends(curve, at_end ? last : 1);
+    bool alone = curve.NumPieces() == 1 || Ends(curve, at_end ? last : 1);
     if (!(alone ? piece.Description().first != "cubic" : SmoothPartIsStraight(curve))) crack = std::make_shared<Crack>(curve);
     FindReach(curve);
   }
 
   size_t TipCurve :: EndOfSmoothPart (const Crack & curve) const
   {
-    size_t i = at_end ? curve.NumSegments()-1 : 0;
-    while (at_end ? i > 0 && !Ends(curve, i) : i+1 < curve.NumSegments() && !Ends(curve, i+1))
+    size_t i = at_end ? curve.NumPieces()-1 : 0;
+    while (at_end ? i > 0 && !Ends(curve, i) : i+1 < curve.NumPieces() && !Ends(curve, i+1))
       at_end ? i-- : i++;
     return i;
   }
 
   bool TipCurve :: SmoothPartIsStraight (const Crack & curve) const
   {
-    auto [first, last] = std::minmax({ EndOfSmoothPart(curve), at_end ? curve.NumSegments()-1 : 0 });
+    auto [first, last] = std::minmax({ EndOfSmoothPart(curve), at_end ? curve.NumPieces()-1 : 0 });
     for (size_t i = first; i <= last; i++)
       if (!curve.IsStraight(i) || (i > first && curve.IsKink(i))) return false;
     return true;
@@ -53,7 +53,7 @@ namespace ngsxfem_contact
   {
     size_t last = EndOfSmoothPart(curve);
     reach = s_reach = 0;
-    for (size_t i = at_end ? curve.NumSegments()-1 : 0; ; at_end ? i-- : i++)
+    for (size_t i = at_end ? curve.NumPieces()-1 : 0; ; at_end ? i-- : i++)
       {
         auto & piece = curve.Piece(i);
         auto samples = piece.IsStraight() ? std::vector<double> { 0, 0.5*piece.Length(), piece.Length() } : piece.Samples(0.02);
@@ -88,8 +88,8 @@ namespace ngsxfem_contact
     for (int i = 0; i <= n; i++)
       {
         double s = FromEnd(s_reach*i/n);
-        size_t segment = crack->SegmentAt(s);
-        largest = std::max(largest, std::abs(crack->Piece(segment).Curvature(s-crack->ArcLength(segment))));
+        size_t piece = crack->PieceAt(s);
+        largest = std::max(largest, std::abs(crack->Piece(piece).Curvature(s-crack->ArcLength(piece))));
         if (largest*s_reach*i/n > 0.5) return s_reach*i/n;
       }
     return std::numeric_limits<double>::infinity();

@@ -82,14 +82,14 @@ namespace ngsxfem_contact
             Point a = outline[k], ab = outline[k+1]-a;
             Box box;
             for (Point p : { a, outline[k+1] }) box.Add(p);
-            for (size_t segment : crack.PiecesNear(box.Grown(1e-6*edges[i].h)))
+            for (size_t piece : crack.PiecesNear(box.Grown(1e-6*edges[i].h)))
               {
-                auto & piece = crack.Piece(segment);
+                auto & curve = crack.Piece(piece);
                 std::vector<double> crossings;
-                piece.AppendCrossings(a, Left(Point(1/Norm(ab) * ab)), crossings);
+                curve.AppendCrossings(a, Left(Point(1/Norm(ab) * ab)), crossings);
                 for (double t : crossings)
-                  if (double along = Dot(Point(piece.Value(t)-a), ab)/Dot(ab, ab); along > -1e-9 && along < 1+1e-9)
-                    meetings.push_back({ segment, Meet(piece, t, i, (k+along)/(outline.size()-1)).value_or(t), i });
+                  if (double along = Dot(Point(curve.Value(t)-a), ab)/Dot(ab, ab); along > -1e-9 && along < 1+1e-9)
+                    meetings.push_back({ piece, Meet(curve, t, i, (k+along)/(outline.size()-1)).value_or(t), i });
               }
           }
       }

@@ -34,7 +34,7 @@ namespace ngsxfem_contact
     bool Contains (Point p) const;
 
     /// Where a crack meets ∂Ω.
-    struct Meeting { size_t segment; double t; size_t edge; };
+    struct Meeting { size_t piece; double t; size_t edge; };
     std::vector<Meeting> Meetings (const Crack & crack) const;
     /// By Newton's method, from a guess of the parameter of the piece and of the place on the edge; nothing where it does not converge.
     std::optional<double> Meet (const CurvePiece & piece, double t, size_t edge, double along) const;

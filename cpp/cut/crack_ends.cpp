@@ -17,7 +17,7 @@ namespace ngsxfem_contact
     }
 
     /// Where a crack starts or ends: a parameter of one of its pieces, perhaps a little beyond its end.
-    struct Cut { size_t segment; double t; };
+    struct Cut { size_t piece; double t; };
 
     class CrackEnds
     {
@@ -33,15 +33,15 @@ namespace ngsxfem_contact
 
       Crack Fitted () const
       {
-        auto inside = PartInside();
+        auto inside = StretchInside();
         Cut cuts[2];
         for (int end : { 0, 1 }) cuts[end] = FittedEnd(end, inside[end]);
         std::vector<PiecePtr> pieces;
-        for (size_t i = cuts[0].segment; i <= cuts[1].segment; i++)
+        for (size_t i = cuts[0].piece; i <= cuts[1].piece; i++)
           {
             auto & piece = crack.Piece(i);
-            double t0 = i == cuts[0].segment ? cuts[0].t : 0, t1 = i == cuts[1].segment ? cuts[1].t : piece.End();
-            pieces.push_back(t0 == 0 && t1 == piece.End() ? crack.Pieces()[i] : piece.Part(t0, t1));
+            double t0 = i == cuts[0].piece ? cuts[0].t : 0, t1 = i == cuts[1].piece ? cuts[1].t : piece.End();
+            pieces.push_back(t0 == 0 && t1 == piece.End() ? crack.Pieces()[i] : piece.Between(t0, t1));
           }
         return IsWhole(cuts) ? crack : Crack(pieces);
       }
@@ -49,57 +49,57 @@ namespace ngsxfem_contact
     private:
       using Meeting = BodyBoundary::Meeting;
       /// Between two meetings with ∂Ω, or an end of the crack.
-      struct Part { double s0, s1; std::optional<Meeting> from, to; bool inside; };
+      struct Stretch { double s0, s1; std::optional<Meeting> from, to; bool inside; };
 
       bool IsWhole (const Cut (&cuts)[2]) const
-      { return cuts[0].segment == 0 && cuts[0].t == 0 && cuts[1].segment+1 == crack.NumSegments() && cuts[1].t == crack.Piece(cuts[1].segment).End(); }
+      { return cuts[0].piece == 0 && cuts[0].t == 0 && cuts[1].piece+1 == crack.NumPieces() && cuts[1].t == crack.Piece(cuts[1].piece).End(); }
 
-      double ArcLength (const Meeting & m) const { return crack.ArcLength(m.segment) + crack.Piece(m.segment).ArcLength(m.t); }
+      double ArcLength (const Meeting & m) const { return crack.ArcLength(m.piece) + crack.Piece(m.piece).ArcLength(m.t); }
 
-      std::vector<Part> Parts () const
+      std::vector<Stretch> Stretches () const
       {
         auto meetings = boundary.Meetings(crack);
         std::sort(meetings.begin(), meetings.end(), [&] (auto & a, auto & b) { return ArcLength(a) < ArcLength(b); });
-        std::vector<Part> parts;
-        Part next { 0, 0, std::nullopt, std::nullopt, false };
+        std::vector<Stretch> stretches;
+        Stretch next { 0, 0, std::nullopt, std::nullopt, false };
         auto append = [&] (double s, std::optional<Meeting> to)
         {
           next.s1 = s;
           next.to = to;
           Point middle = crack.PointAt(0.5*(next.s0+next.s1));
           next.inside = boundary.Contains(middle) || boundary.Nearest(middle).distance <= boundary.Tolerance();
-          if (next.s1-next.s0 > short_part) parts.push_back(next);
+          if (next.s1-next.s0 > short_part) stretches.push_back(next);
           next = { s, s, to, std::nullopt, false };
         };
         for (auto & m : meetings) append(ArcLength(m), m);
         append(crack.Length(), std::nullopt);
-        return parts;
+        return stretches;
       }
 
       /// The meetings at the start and the end of the part in the body; none where an end of the crack is inside.
-      std::array<std::optional<Meeting>,2> PartInside () const
+      std::array<std::optional<Meeting>,2> StretchInside () const
       {
-        auto parts = Parts();
-        std::erase_if(parts, [] (auto & part) { return !part.inside; });
-        if (parts.empty())
+        auto stretches = Stretches();
+        std::erase_if(stretches, [] (auto & stretch) { return !stretch.inside; });
+        if (stretches.empty())
           throw Exception("CrackedMesh: the crack from " + ToString(crack.Points().front()) + " to " + ToString(crack.Points().back())
                           + " lies outside the body; give its points in the mesh's coordinates");
-        for (size_t i = 1; i < parts.size(); i++)
-          if (parts[i].s0-parts[i-1].s1 > short_part)
-            throw Exception("CrackedMesh: " + name + " leaves the body at " + ToString(crack.PointAt(parts[i-1].s1)) + " and enters it again at "
-                            + ToString(crack.PointAt(parts[i].s0)) + "; give two cracks, one that ends there and one that starts there");
+        for (size_t i = 1; i < stretches.size(); i++)
+          if (stretches[i].s0-stretches[i-1].s1 > short_part)
+            throw Exception("CrackedMesh: " + name + " leaves the body at " + ToString(crack.PointAt(stretches[i-1].s1)) + " and enters it again at "
+                            + ToString(crack.PointAt(stretches[i].s0)) + "; give two cracks, one that ends there and one that starts there");
           else
-            throw Exception("CrackedMesh: " + name + " touches the boundary of the body at " + ToString(crack.PointAt(parts[i].s0))
+            throw Exception("CrackedMesh: " + name + " touches the boundary of the body at " + ToString(crack.PointAt(stretches[i].s0))
                             + " on its way; move it off the boundary, or give two cracks with different mouths");
-        return { parts.front().from, parts.front().to };
+        return { stretches.front().from, stretches.front().to };
       }
 
       Point EndPoint (int end) const { return end ? crack.Points().back() : crack.Points().front(); }
       std::string EndName (int end) const { return name + ": its " + (end ? "end " : "start ") + ToString(EndPoint(end)); }
       Cut GivenEnd (int end) const
       {
-        size_t segment = end ? crack.NumSegments()-1 : 0;
-        return { segment, end ? crack.Piece(segment).End() : 0 };
+        size_t piece = end ? crack.NumPieces()-1 : 0;
+        return { piece, end ? crack.Piece(piece).End() : 0 };
       }
 
       Cut FittedEnd (int end, std::optional<Meeting> meeting) const
@@ -114,44 +114,44 @@ namespace ngsxfem_contact
       /// Whether the crack leaves the body between an end and a point where it meets ∂Ω.
       bool IsBehind (int end, const Meeting & meeting) const
       {
-        auto & piece = crack.Piece(meeting.segment);
-        return std::abs(crack.ArcLength(meeting.segment)+piece.ArcLength(meeting.t) - (end ? crack.Length() : 0)) > short_part;
+        auto & piece = crack.Piece(meeting.piece);
+        return std::abs(crack.ArcLength(meeting.piece)+piece.ArcLength(meeting.t) - (end ? crack.Length() : 0)) > short_part;
       }
 
       Cut CutOff (int end, const Meeting & meeting) const
       {
-        Cut cut { meeting.segment, meeting.t };
-        auto & piece = crack.Piece(cut.segment);
+        Cut cut { meeting.piece, meeting.t };
+        auto & piece = crack.Piece(cut.piece);
         double passed = piece.ArcLength(cut.t);
         // at a joint of two pieces the one that is left begins or ends there
-        if (end && passed < short_part && cut.segment > 0) cut = OnNeighbour(meeting, cut.segment-1, crack.Piece(cut.segment-1).End());
-        else if (!end && piece.Length()-passed < short_part && cut.segment+1 < crack.NumSegments()) cut = OnNeighbour(meeting, cut.segment+1, 0);
-        notes.push_back(EndName(end) + " lies outside of the body; it is cut off at the boundary, at " + ToString(crack.Piece(cut.segment).Value(cut.t)));
+        if (end && passed < short_part && cut.piece > 0) cut = OnNeighbour(meeting, cut.piece-1, crack.Piece(cut.piece-1).End());
+        else if (!end && piece.Length()-passed < short_part && cut.piece+1 < crack.NumPieces()) cut = OnNeighbour(meeting, cut.piece+1, 0);
+        notes.push_back(EndName(end) + " lies outside of the body; it is cut off at the boundary, at " + ToString(crack.Piece(cut.piece).Value(cut.t)));
         return cut;
       }
 
-      Cut OnNeighbour (const Meeting & meeting, size_t segment, double t) const
+      Cut OnNeighbour (const Meeting & meeting, size_t piece, double t) const
       {
-        auto & piece = crack.Piece(segment);
-        auto along = boundary.Nearest(piece.Value(t)).along;
-        return { segment, boundary.Meet(piece, t, meeting.edge, along).value_or(t) };
+        auto & curve = crack.Piece(piece);
+        auto along = boundary.Nearest(curve.Value(t)).along;
+        return { piece, boundary.Meet(curve, t, meeting.edge, along).value_or(t) };
       }
 
       Cut Extended (int end, const BodyBoundary::Place & place) const
       {
-        auto [segment, t] = GivenEnd(end);
-        auto & piece = crack.Piece(segment);
+        auto [piece, t] = GivenEnd(end);
+        auto & curve = crack.Piece(piece);
         double s = end ? crack.Length() : 0, limit = 2*least_end_distance*place.h;
-        Point ahead = (end ? 1 : -1)*crack.Tangent(segment, s);
+        Point ahead = (end ? 1 : -1)*crack.Tangent(piece, s);
         if (auto hit = boundary.Shoot(EndPoint(end), ahead, -1e-3*place.h, limit))
           {
-            double guess = t + (end ? 1 : -1)*hit->tau/Norm(piece.Derivative(t));
-            if (auto met = boundary.Meet(piece, guess, hit->edge, hit->along); met && Norm(Point(piece.Value(*met)-EndPoint(end))) <= limit)
+            double guess = t + (end ? 1 : -1)*hit->tau/Norm(curve.Derivative(t));
+            if (auto met = boundary.Meet(curve, guess, hit->edge, hit->along); met && Norm(Point(curve.Value(*met)-EndPoint(end))) <= limit)
               {
                 notes.push_back(EndName(end) + " is " + Digits(place.distance) + " from the boundary, less than a tenth of the element there ("
-                                + Digits(place.h) + "); it ends on the boundary, at " + ToString(piece.Value(*met))
+                                + Digits(place.h) + "); it ends on the boundary, at " + ToString(curve.Value(*met))
                                 + ". For a tip there refine to elements below " + Digits(place.distance/least_end_distance));
-                return { segment, *met };
+                return { piece, *met };
               }
           }
         throw Exception("CrackedMesh: " + EndName(end) + " is " + Digits(place.distance) + " from the boundary, less than a tenth of the element there ("

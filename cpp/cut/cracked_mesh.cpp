@@ -54,7 +54,7 @@ namespace ngsxfem_contact
     std::map<size_t, std::vector<ElementCrack>> meetings;
     for (size_t c = 0; c < cracks.size(); c++)
       for (auto & location : locations[c].Elements())
-        meetings[location.element].push_back({ c, &location, Side::Plus });
+        meetings[location.element].push_back({ c, &location, location.kind, location.areas, Side::Plus });
     for (auto & [element, meeting] : meetings)
       cut_elements.emplace(element, CutElement(cracks, std::move(meeting)));
   }
@@ -74,36 +74,54 @@ namespace ngsxfem_contact
 
   void CrackedMesh :: SetClearance (Tip & tip, const BodyBoundary & boundary) const
   {
+    tip.distances.push_back({ boundary.Nearest(tip.point).distance, "the boundary of the body" });
+    for (size_t c = 0; c < cracks.size(); c++)
+      if (c != tip.crack) tip.distances.push_back({ cracks[c].Nearest(tip.point).distance, "crack " + std::to_string(c) });
     tip.clearance = std::numeric_limits<double>::infinity();
     auto limit = [&] (double distance, std::string what)
     { if (distance < tip.clearance) { tip.clearance = distance; tip.limit = what; } };
-    limit(boundary.Nearest(tip.point).distance, "the boundary of the body");
-    LimitByCracks(tip, limit);
+    for (auto & [distance, what] : tip.distances) limit(distance, what);
+    LimitByOwnCrack(tip, limit);
     for (auto & other : tips)
       if (&other != &tip) limit(0.5*Norm(Point(other.point-tip.point)), "half the way to the tip at " + ToString(other.point));
   }
 
-  void CrackedMesh :: LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const
+  void CrackedMesh :: LimitByOwnCrack (const Tip & tip, const std::function<void(double, std::string)> & limit) const
   {
     limit(tip.curve.CurvatureLimit(), "half of the crack's radius of curvature");
-    double own_length = tip.curve.ReachLength();
-    for (size_t c = 0; c < cracks.size(); c++)
-      for (size_t i = 0; i < cracks[c].NumSegments(); i++)
-        {
-          auto & crack = cracks[c];
-          auto & piece = crack.Piece(i);
-          double to_start = std::abs(crack.ArcLength(i)-tip.s), to_end = std::abs(crack.ArcLength(i+1)-tip.s);
-          double tolerance = 1e-10*crack.Length();
-          if (c != tip.crack)
-            limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "crack " + std::to_string(c));
-          else if (std::min(to_start, to_end) >= own_length-tolerance)
-            limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "another segment of the same crack");
-          else if (std::max(to_start, to_end) > own_length+tolerance)
-            // a piece that turns back
-            for (double s : piece.Samples(0.02))
-              if (std::abs(crack.ArcLength(i)+s-tip.s) >= own_length-tolerance)
-                limit(0.98*Norm(Point(piece.PointAt(s)-tip.point)), "the same crack, which turns back");
-        }
+    auto & crack = cracks[tip.crack];
+    double followed = tip.curve.ReachLength(), tolerance = 1e-10*crack.Length();
+    for (size_t i = 0; i < crack.NumPieces(); i++)
+      {
+        auto & piece = crack.Piece(i);
+        auto [nearer, farther] = std::minmax({ std::abs(crack.ArcLength(i)-tip.s), std::abs(crack.ArcLength(i+1)-tip.s) });
+        if (nearer >= followed-tolerance)
+          limit(Norm(Point(piece.Value(piece.Nearest(tip.point))-tip.point)), "another piece of the same crack");
+        else if (farther > followed+tolerance)
+          // a piece that turns back
+          for (double s : piece.Samples(0.02))
+            if (std::abs(crack.ArcLength(i)+s-tip.s) >= followed-tolerance)
+              limit(0.98*Norm(Point(piece.PointAt(s)-tip.point)), "the same crack, which turns back");
+      }
+  }
+
+  Frame<2> CrackedMesh :: FrameAt (size_t crack, Point x) const
+  {
+    Point t = cracks[crack].Tangent(cracks[crack].Nearest(x));
+    return { Left(t), { t } };
+  }
+
+  size_t CrackedMesh :: CrackAt (const ElementCracks * element, Point x) const
+  {
+    if (element) return static_cast<const CutElement*>(element)->CrackAt(cracks, x).crack;
+    return std::ranges::min_element(cracks, {}, [x] (auto & crack) { return crack.Nearest(x).distance; }) - cracks.begin();
+  }
+
+  std::vector<size_t> CrackedMesh :: ElementsOf (size_t crack) const
+  {
+    std::vector<size_t> elements;
+    for (auto & location : Location(crack).Elements()) elements.push_back(location.element);
+    return elements;
   }
 
   const CutElement * CrackedMesh :: Find (size_t element) const

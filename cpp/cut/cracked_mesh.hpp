@@ -20,6 +20,7 @@ namespace ngsxfem_contact
     int plus_sign;               // the sign of θ on the plus side, θ = 0 ahead
     double clearance;            // to ∂Ω, other cracks, the next kink, half the way to other tips, half of the radius of curvature
     std::string limit;           // what sets the clearance
+    std::vector<std::pair<double, std::string>> distances {};    // of ∂Ω and of the other cracks
   };
 
   /// What a mesh was when cracks were located in it.
@@ -32,8 +33,8 @@ namespace ngsxfem_contact
     auto operator<=> (const MeshState &) const = default;
   };
 
-  /// Says where things are, and never changes.
-  class CrackedMesh
+  /// The CutGeometry of the plane: says where things are, and never changes. It is final, so that calls through its own type are not virtual.
+  class CrackedMesh final : public CutGeometry<2>
   {
     shared_ptr<MeshAccess> mesh;
     MeshState located_in;
@@ -49,10 +50,19 @@ namespace ngsxfem_contact
     /// mesh with a deformation.
     CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
 
-    shared_ptr<MeshAccess> GetMesh() const { return mesh; }
-    /// Throws if the mesh was refined, curved or deformed after the cracks were located in it.
-    void CheckMesh () const;
-    size_t NumCracks() const { return cracks.size(); }
+    shared_ptr<MeshAccess> GetMesh () const override { return mesh; }
+    void CheckMesh () const override;
+    size_t NumCracks () const override { return cracks.size(); }
+    Side SideOf (size_t crack, Point x) const override { return cracks[crack].SideOf(x); }
+    Frame<2> FrameAt (size_t crack, Point x) const override;
+    size_t CrackAt (const ElementCracks * element, Point x) const override;
+    const CutElement * Find (size_t element) const override;
+    std::vector<size_t> ElementsOf (size_t crack) const override;
+    bool EndsIn (size_t crack, NodeId node, FlatArray<int> support) const override { return Location(crack).EndsIn(node, support); }
+    bool RunsAlong (size_t crack, NodeId node) const override { return Location(crack).RunsAlong(node); }
+    Side SideBeyond (size_t crack, size_t element, size_t edge) const override { return Location(crack).SideBeyond(element, edge); }
+    std::optional<Measures> BoundarySizes (size_t crack, size_t bnd_element) const override { return Location(crack).BoundarySizes(bnd_element); }
+
     /// These throw for a number that is not below NumCracks().
     const Crack & GetCrack (size_t i) const { return cracks[Checked(i)]; }
     const CrackLocation & Location (size_t i) const { return locations[Checked(i)]; }
@@ -61,8 +71,6 @@ namespace ngsxfem_contact
     /// What was changed at the ends of the cracks, in words.
     const std::vector<std::string> & Notes() const { return notes; }
 
-    /// An element that a crack crosses, ends in, or runs along; nullptr elsewhere.
-    const CutElement * Find (size_t element) const;
     /// Elements that carry a part of Γ_C (of one crack, or of all of them).
     shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const;
 
@@ -75,6 +83,6 @@ namespace ngsxfem_contact
     void FindCutElements ();
     void FindTips (const BodyBoundary & boundary);
     void SetClearance (Tip & tip, const BodyBoundary & boundary) const;
-    void LimitByCracks (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
+    void LimitByOwnCrack (const Tip & tip, const std::function<void(double, std::string)> & limit) const;
   };
 }

@@ -51,9 +51,9 @@ namespace ngsxfem_contact
       {
         for (auto & chord : location.chords)
           {
-            int n = crack.IsStraight(chord.segment) ? 1 : 32;
+            int n = crack.IsStraight(chord.piece) ? 1 : 32;
             size_t first = points.size();
-            for (int i = 0; i <= n; i++) points.push_back(crack.PointAt(chord.segment, chord.s0 + double(i)/n*(chord.s1-chord.s0)));
+            for (int i = 0; i <= n; i++) points.push_back(crack.PointAt(chord.piece, chord.s0 + double(i)/n*(chord.s1-chord.s0)));
             for (size_t i = first+1; i+1 < points.size(); i++)            // an eighth of it is the sagitta
               margin = std::max(margin, 0.25*Norm(Point(points[i-1]-2*points[i]+points[i+1])));
           }
@@ -88,12 +88,12 @@ namespace ngsxfem_contact
     bool LiesOnEdge (const Crack & crack, const Chord & chord, const ElementLocation & location)
     {
       auto & t = location.triangle;
-      Point p = crack.PointAt(chord.segment, 0.5*(chord.s0+chord.s1));
+      Point p = crack.PointAt(chord.piece, 0.5*(chord.s0+chord.s1));
       double d = std::min({ Distance(p, t[0], t[1]), Distance(p, t[1], t[2]), Distance(p, t[2], t[0]) });
-      return crack.IsStraight(chord.segment) && d <= 2*geometric_tolerance*location.h;
+      return crack.IsStraight(chord.piece) && d <= 2*geometric_tolerance*location.h;
     }
 
-    /// The pieces of a triangle that several cracks meet.
+    /// The parts of a triangle that several cracks meet.
     class Separation
     {
       const std::vector<Crack> & all;
@@ -143,15 +143,16 @@ namespace ngsxfem_contact
 
       void AppendDivided (const Polygon & polygon, size_t k)
       {
-        auto & [number, location, larger] = element.cracks[k];
+        size_t number = element.cracks[k].crack;
+        auto location = element.cracks[k].location;
         std::vector<Chord> chords;
         for (auto & chord : location->chords)
           if (!LiesOnEdge(all[number], chord, *location)) chords.push_back(chord);
-        for (auto & piece : Divide(polygon, chords, all[number], geometric_tolerance*location->h))
+        for (auto & divided : Divide(polygon, chords, all[number], geometric_tolerance*location->h))
           {
-            ElementPart part { piece, number, {}, {} };
+            ElementPart part { divided, number, {}, {} };
             for (auto & other : element.cracks)
-              part.sides.push_back(other.crack == number ? piece.side : all[other.crack].SideOf(Centre({ piece.triangle.begin(), piece.triangle.end() })));
+              part.sides.push_back(other.crack == number ? part.side : all[other.crack].SideOf(Centre({ part.triangle.begin(), part.triangle.end() })));
             element.parts.push_back(std::move(part));
           }
       }
@@ -160,28 +161,30 @@ namespace ngsxfem_contact
     /// Whether a part lies directly beside the k-th crack: no other crack that divides the element is between them.
     bool IsBeside (const ElementPart & part, const CutElement & element, const std::vector<Crack> & all, size_t k)
     {
-      auto & [number, location, larger] = element.cracks[k];
-      auto & chord = location->chords.front();
-      Point on = all[number].PointAt(chord.segment, 0.5*(chord.s0+chord.s1));
+      size_t number = element.cracks[k].crack;
+      auto & chord = element.cracks[k].location->chords.front();
+      Point on = all[number].PointAt(chord.piece, 0.5*(chord.s0+chord.s1));
       for (size_t d = 0; d < element.cracks.size(); d++)
-        if (d != k && element.cracks[d].location->kind == ElementKind::Cut && part.sides[d] != all[element.cracks[d].crack].SideOf(on)) return false;
+        if (d != k && element.cracks[d].kind == ElementKind::Cut && part.sides[d] != all[element.cracks[d].crack].SideOf(on)) return false;
       return true;
     }
 
     void SetLarger (CutElement & element, const std::vector<Crack> & all, size_t k)
     {
-      double plus = 0, minus = 0;
+      Measures beside;
       for (auto & part : element.parts)
-        if (IsBeside(part, element, all, k)) (part.sides[k] == Side::Plus ? plus : minus) += Area(part.piece, element.CrackOf(all, part));
-      element.cracks[k].larger = LargerSide(plus, minus);
+        if (IsBeside(part, element, all, k)) beside[part.sides[k]] += Area(part, element.CrackOf(all, part));
+      element.cracks[k].larger = beside.Larger();
       for (auto & part : element.parts)
         part.larger.push_back(part.sides[k] == element.cracks[k].larger && IsBeside(part, element, all, k));
     }
   }
 
-  CutElement :: CutElement (const std::vector<Crack> & all, std::vector<ElementCrack> acracks) : cracks(std::move(acracks))
+  CutElement :: CutElement (const std::vector<Crack> & all, std::vector<ElementCrack> acracks)
+    : ElementCracks { std::move(acracks), 0 }
   {
     auto & t = cracks[0].location->triangle;
+    h = cracks[0].location->h;
     if (IsShared())
       {
         if (cracks[0].location->curved)
@@ -192,7 +195,7 @@ namespace ngsxfem_contact
         Separation(all, *this).Append({ t.begin(), t.end() }, everyone);
       }
     else
-      for (auto & piece : cracks[0].location->pieces) parts.push_back({ piece, cracks[0].crack, { piece.side }, {} });
+      for (auto & part : cracks[0].location->parts) parts.push_back({ part, cracks[0].crack, { part.side }, {} });
     for (size_t k = 0; k < cracks.size(); k++) SetLarger(*this, all, k);
   }
 
@@ -200,11 +203,5 @@ namespace ngsxfem_contact
   {
     if (!IsShared()) return cracks[0];
     return *std::min_element(cracks.begin(), cracks.end(), [&] (auto & a, auto & b) { return all[a.crack].Nearest(x).distance < all[b.crack].Nearest(x).distance; });
-  }
-
-  const ElementCrack * CutElement :: Find (size_t crack) const
-  {
-    for (auto & here : cracks) if (here.crack == crack) return &here;
-    return nullptr;
   }
 }

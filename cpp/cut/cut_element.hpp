@@ -6,29 +6,22 @@
 
 namespace ngsxfem_contact
 {
-  /// One of the cracks that meet an element. larger: the side of the larger one of the two parts directly beside it.
-  struct ElementCrack { size_t crack; const ElementLocation * location; Side larger; };
-
-  struct ElementPart
+  struct ElementPart : Part
   {
-    Piece piece;
-    size_t crack;                     // to which piece.side and piece.curved refer
+    size_t crack;                     // to which side and curved refer
     std::vector<Side> sides;          // with respect to each crack of the element
     std::vector<bool> larger;         // for each crack: whether this belongs to the larger part beside it
   };
 
-  struct CutElement
+  struct CutElement : ElementCracks
   {
-    std::vector<ElementCrack> cracks;
     std::vector<ElementPart> parts;
 
     /// Throws where no straight line separates the cracks inside the element, and for several cracks in a curved one.
     CutElement (const std::vector<Crack> & all, std::vector<ElementCrack> acracks);
 
-    bool IsShared () const { return cracks.size() > 1; }
     /// The crack that a point of Γ_C in this element lies on.
     const ElementCrack & CrackAt (const std::vector<Crack> & all, Point x) const;
-    const ElementCrack * Find (size_t crack) const;
     /// The crack that the curved side of a part is a part of: see ElementLocation.
     const Crack & CrackOf (const std::vector<Crack> & all, const ElementPart & part) const
     { return Find(part.crack)->location->CrackInTriangle(all[part.crack]); }

@@ -40,15 +40,15 @@ namespace ngsxfem_contact
     }
   }
 
-  std::optional<CrackLocation::Clip> CrackLocation :: ClipSegment (const Triangle & t, size_t segment) const
+  std::optional<CrackLocation::Clip> CrackLocation :: ClipSegment (const Triangle & t, size_t piece) const
   {
     std::array<double,3> d, along;
     int zeros = 0;
     for (int i = 0; i < 3; i++)
       {
-        d[i] = crack.LineDistance(segment, t[i]);
+        d[i] = crack.LineDistance(piece, t[i]);
         if (std::abs(d[i]) <= tolerance) { d[i] = 0; zeros++; }
-        along[i] = Dot(Point(t[i]-crack.Points()[segment]), crack.Tangent(segment, 0));
+        along[i] = Dot(Point(t[i]-crack.Points()[piece]), crack.Tangent(piece, 0));
       }
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     auto extend = [&] (double a) { lo = std::min(lo, a); hi = std::max(hi, a); };
@@ -65,24 +65,24 @@ namespace ngsxfem_contact
       }
     if (!crosses && zeros != 2) return std::nullopt;
 
-    double s = crack.ArcLength(segment), length = crack.ArcLength(segment+1)-s;
+    double s = crack.ArcLength(piece), length = crack.ArcLength(piece+1)-s;
     bool starts = lo < -tolerance, ends = hi > length+tolerance;
     lo = std::max(lo, 0.0);
     hi = std::min(hi, length);
     if (hi-lo <= tolerance) return std::nullopt;
-    return Clip { !crosses, { segment, s+lo, s+hi }, starts, ends, nullptr };
+    return Clip { !crosses, { piece, s+lo, s+hi }, starts, ends, nullptr };
   }
 
-  std::vector<CrackLocation::Clip> CrackLocation :: ClipPiece (size_t element, const ElementMap & map, size_t segment) const
+  std::vector<CrackLocation::Clip> CrackLocation :: ClipPiece (size_t element, const ElementMap & map, size_t piece) const
   {
-    if (map.IsCurved()) return ClipInCurved(element, map, segment);
-    if (!crack.IsStraight(segment)) return ClipCurve(element, map.Corners(), segment);
-    auto clip = ClipSegment(map.Corners(), segment);
+    if (map.IsCurved()) return ClipInCurved(element, map, piece);
+    if (!crack.IsStraight(piece)) return ClipCurve(element, map.Corners(), piece);
+    auto clip = ClipSegment(map.Corners(), piece);
     return clip ? std::vector<Clip> { *clip } : std::vector<Clip>();
   }
 
   /// Both neighbours of an edge find the same crossings: its line is the same for them to the last bit.
-  std::vector<CrackLocation::Inside> CrackLocation :: PartsInside (const CurvePiece & piece, size_t element, const Triangle & t) const
+  std::vector<CrackLocation::Inside> CrackLocation :: RangesInside (const CurvePiece & piece, size_t element, const Triangle & t) const
   {
     struct Edge { Point a, normal; bool positive; };
     std::vector<Edge> edges;
@@ -101,52 +101,52 @@ namespace ngsxfem_contact
       return std::all_of(edges.begin(), edges.end(), [&] (auto & edge)
       { double d = Dot(Point(p-edge.a), edge.normal); return edge.positive ? d >= margin : -d > margin; });
     };
-    std::vector<Inside> parts;
+    std::vector<Inside> ranges;
     for (size_t i = 0; i+1 < breaks.size(); i++)
       if (breaks[i+1] > breaks[i] && inside(piece.Value(0.5*(breaks[i]+breaks[i+1])), 0))
         {
           bool starts = breaks[i] == 0 && inside(piece.Value(0), 2*tolerance);
           bool ends = breaks[i+1] == piece.End() && inside(piece.Value(piece.End()), 2*tolerance);
-          parts.push_back({ breaks[i], breaks[i+1], starts, ends });      // one of two where the crack touches an edge
+          ranges.push_back({ breaks[i], breaks[i+1], starts, ends });      // one of two where the crack touches an edge
         }
-    return parts;
+    return ranges;
   }
 
-  std::vector<CrackLocation::Clip> CrackLocation :: ClipCurve (size_t element, const Triangle & t, size_t segment) const
+  std::vector<CrackLocation::Clip> CrackLocation :: ClipCurve (size_t element, const Triangle & t, size_t piece) const
   {
-    auto & piece = crack.Piece(segment);
-    double s = crack.ArcLength(segment);
+    auto & curve = crack.Piece(piece);
+    double s = crack.ArcLength(piece);
     std::vector<Clip> clips;
-    for (auto [t0, t1, starts, ends] : PartsInside(piece, element, t))
-      if (Chord chord { segment, s+piece.ArcLength(t0), s+piece.ArcLength(t1) }; chord.s1-chord.s0 > tolerance)
+    for (auto [t0, t1, starts, ends] : RangesInside(curve, element, t))
+      if (Chord chord { piece, s+curve.ArcLength(t0), s+curve.ArcLength(t1) }; chord.s1-chord.s0 > tolerance)
         clips.push_back({ false, chord, starts, ends, nullptr });
     return clips;
   }
 
   /// In the coordinates of the straight triangle, where the piece is another curve.
-  std::vector<CrackLocation::Clip> CrackLocation :: ClipInCurved (size_t element, const ElementMap & map, size_t segment) const
+  std::vector<CrackLocation::Clip> CrackLocation :: ClipInCurved (size_t element, const ElementMap & map, size_t piece) const
   {
     auto & t = map.Corners();
-    auto & piece = crack.Piece(segment);
-    double s = crack.ArcLength(segment);
-    if (crack.IsStraight(segment))
-      if (auto clip = ClipSegment(t, segment); clip && clip->aligned)
-        if (Point p = crack.PointAt(segment, 0.5*(clip->chord.s0+clip->chord.s1)); Norm(Point(map.Value(p)-p)) <= tolerance) return { *clip };
+    auto & curve = crack.Piece(piece);
+    double s = crack.ArcLength(piece);
+    if (crack.IsStraight(piece))
+      if (auto clip = ClipSegment(t, piece); clip && clip->aligned)
+        if (Point p = crack.PointAt(piece, 0.5*(clip->chord.s0+clip->chord.s1)); Norm(Point(map.Value(p)-p)) <= tolerance) return { *clip };
     std::vector<Clip> clips;
-    for (auto [from, to] : RangesBeside(piece, map))
+    for (auto [from, to] : RangesBeside(curve, map))
       {
         auto straightened = MakeInterpolant([&, from=from] (double u)
         {
-          auto p = map.Inverse(piece.Value(from+u));
+          auto p = map.Inverse(curve.Value(from+u));
           if (!p) throw Exception("CrackedMesh: the crack meets a curved element that is bent too much near " + ToString(Centre({ t.begin(), t.end() })) + "; refine the mesh there");
           return *p;
         }, to-from);
-        for (auto [u0, u1, starts, ends] : PartsInside(*straightened, element, t))
+        for (auto [u0, u1, starts, ends] : RangesInside(*straightened, element, t))
           {
             double t0 = u0 == 0 ? from : from+u0, t1 = u1 == straightened->End() ? to : from+u1;
-            Chord chord { segment, s+piece.ArcLength(t0), s+piece.ArcLength(t1) };
+            Chord chord { piece, s+curve.ArcLength(t0), s+curve.ArcLength(t1) };
             if (chord.s1-chord.s0 > tolerance)
-              clips.push_back({ false, chord, starts && t0 == 0, ends && t1 == piece.End(), straightened->Part(u0, u1) });
+              clips.push_back({ false, chord, starts && t0 == 0, ends && t1 == curve.End(), straightened->Between(u0, u1) });
           }
       }
     return clips;

@@ -46,16 +46,16 @@ namespace ngsxfem_contact
     return Point(1./polygon.size() * sum);
   }
 
-  double Area (const Piece & piece, const Crack & crack)
+  double Area (const Part & part, const Crack & crack)
   {
-    if (!piece.curved) return Area(piece.triangle);
-    auto [segment, s0, s1] = *piece.curved;
-    auto & curve = crack.Piece(segment);
-    double t0 = curve.Parameter(s0-crack.ArcLength(segment)), t1 = curve.Parameter(s1-crack.ArcLength(segment)), sum = 0;
+    if (!part.curved) return Area(part.triangle);
+    auto [piece, s0, s1] = *part.curved;
+    auto & curve = crack.Piece(piece);
+    double t0 = curve.Parameter(s0-crack.ArcLength(piece)), t1 = curve.Parameter(s1-crack.ArcLength(piece)), sum = 0;
     for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, 2*curve.GaussPoints(1, t0, t1)-1))
       {
         double t = t0 + ip(0)*(t1-t0);
-        sum += ip.Weight() * Cross(Point(curve.Value(t)-piece.triangle[0]), curve.Derivative(t));
+        sum += ip.Weight() * Cross(Point(curve.Value(t)-part.triangle[0]), curve.Derivative(t));
       }
     return 0.5*std::abs(sum*(t1-t0));
   }
@@ -69,8 +69,8 @@ namespace ngsxfem_contact
       double tolerance;
       struct Line { Point origin, normal; };
       struct Segment { Line line; Point a, b; };
-      struct Part { Polygon polygon; std::vector<Segment> segments; };
-      std::vector<Part> left;
+      struct Region { Polygon polygon; std::vector<Segment> segments; };
+      std::vector<Region> left;
 
     public:
       StraightDivision (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & acrack, double atolerance)
@@ -78,27 +78,27 @@ namespace ngsxfem_contact
       {
         double size = 0;
         for (auto & p : polygon) size = std::max(size, 2*Norm(Point(p-polygon[0])));
-        for (auto & [segment, s0, s1] : chords)
+        for (auto & [piece, s0, s1] : chords)
           {
             // a tip: on to the other side of the polygon
             double before = s0 <= tolerance ? size : 0, after = s1 >= crack.Length()-tolerance ? size : 0;
-            Line line { crack.Points()[segment], crack.Normal(segment, s0) };
-            left[0].segments.push_back({ line, crack.PointAt(segment, s0-before), crack.PointAt(segment, s1+after) });
+            Line line { crack.Points()[piece], crack.Normal(piece, s0) };
+            left[0].segments.push_back({ line, crack.PointAt(piece, s0-before), crack.PointAt(piece, s1+after) });
           }
       }
 
-      std::vector<Piece> Pieces ()
+      std::vector<Part> Parts ()
       {
-        std::vector<Piece> pieces;
+        std::vector<Part> parts;
         while (!left.empty())
           {
-            Part part = std::move(left.back());
+            Region region = std::move(left.back());
             left.pop_back();
-            if (!part.segments.empty()) { Divide(part); continue; }
-            Side side = crack.SideOf(Centre(part.polygon));
-            for (auto & t : Fan(part.polygon)) pieces.push_back({ t, side, std::nullopt });
+            if (!region.segments.empty()) { Divide(region); continue; }
+            Side side = crack.SideOf(Centre(region.polygon));
+            for (auto & t : Fan(region.polygon)) parts.push_back({ t, side, std::nullopt });
           }
-        return pieces;
+        return parts;
       }
 
     private:
@@ -109,33 +109,33 @@ namespace ngsxfem_contact
       }
 
       /// Many segments first across their middle, so that work and parts are in proportion to their number; few along their lines.
-      void Divide (const Part & part)
+      void Divide (const Region & region)
       {
         constexpr size_t few = 8;
-        auto & segments = part.segments;
+        auto & segments = region.segments;
         auto & middle = segments[segments.size()/2];
-        std::array<Part,2> halves;
+        std::array<Region,2> halves;
         bool balanced = false;
         if (segments.size() > few)
           {
             Point onward = segments.back().b-segments.front().a;
-            halves = Halves(part, { middle.a, Point(1/Norm(onward) * onward) });
+            halves = Halves(region, { middle.a, Point(1/Norm(onward) * onward) });
             balanced = std::max(halves[0].segments.size(), halves[1].segments.size()) <= 3*segments.size()/4;
           }
-        if (!balanced) halves = Halves(part, middle.line);
+        if (!balanced) halves = Halves(region, middle.line);
         for (auto & half : halves)
           if (half.polygon.size() > 2) left.push_back(std::move(half));
       }
 
       /// Without the segments that lie on the line.
-      std::array<Part,2> Halves (const Part & part, const Line & line) const
+      std::array<Region,2> Halves (const Region & region, const Line & line) const
       {
-        std::array<Part,2> halves;                // on the positive and the negative side
+        std::array<Region,2> halves;                // on the positive and the negative side
         std::vector<double> d;
-        for (auto & p : part.polygon) d.push_back(Snapped(line, p));
-        auto polygons = Split(part.polygon, d);
+        for (auto & p : region.polygon) d.push_back(Snapped(line, p));
+        auto polygons = Split(region.polygon, d);
         for (int k : { 0, 1 }) halves[k].polygon = std::move(polygons[k]);
-        for (auto & segment : part.segments)
+        for (auto & segment : region.segments)
           {
             double da = Snapped(line, segment.a), db = Snapped(line, segment.b);
             if (da*db < 0)
@@ -157,8 +157,8 @@ namespace ngsxfem_contact
       const Crack & crack;
       const Polygon & polygon;                    // counter-clockwise
       double tolerance, size;
-      struct Part { Point a, b; std::optional<Chord> curved; };
-      std::vector<Part> parts;                    // in the direction of travel
+      struct Stretch { Point a, b; std::optional<Chord> curved; };
+      std::vector<Stretch> stretches;                    // in the direction of travel
 
     public:
       Pass (const Polygon & apolygon, const std::vector<Chord> & chords, const Crack & acrack, double atolerance)
@@ -167,24 +167,24 @@ namespace ngsxfem_contact
         for (auto & p : polygon) size = std::max(size, Norm(Point(p-polygon[0])));
         for (auto & chord : chords)
           {
-            Part part { crack.PointAt(chord.segment, chord.s0), crack.PointAt(chord.segment, chord.s1), std::nullopt };
-            if (!crack.IsStraight(chord.segment)) part.curved = chord;
-            parts.push_back(part);
+            Stretch stretch { crack.PointAt(chord.piece, chord.s0), crack.PointAt(chord.piece, chord.s1), std::nullopt };
+            if (!crack.IsStraight(chord.piece)) stretch.curved = chord;
+            stretches.push_back(stretch);
           }
         auto & first = chords.front(), & last = chords.back();
-        if (first.s0 <= tolerance && IsInside(parts.front().a))
-          parts.insert(parts.begin(), { Exit(parts.front().a, Point(-1*crack.Tangent(first.segment, first.s0))), parts.front().a, std::nullopt });
-        if (last.s1 >= crack.Length()-tolerance && IsInside(parts.back().b))
-          parts.push_back({ parts.back().b, Exit(parts.back().b, crack.Tangent(last.segment, last.s1)), std::nullopt });
+        if (first.s0 <= tolerance && IsInside(stretches.front().a))
+          stretches.insert(stretches.begin(), { Exit(stretches.front().a, Point(-1*crack.Tangent(first.piece, first.s0))), stretches.front().a, std::nullopt });
+        if (last.s1 >= crack.Length()-tolerance && IsInside(stretches.back().b))
+          stretches.push_back({ stretches.back().b, Exit(stretches.back().b, crack.Tangent(last.piece, last.s1)), std::nullopt });
       }
 
       /// Appends the triangles of both sides; false if one of them has no point that sees the whole crack.
-      bool Append (std::vector<Piece> & pieces) const
+      bool Append (std::vector<Part> & parts) const
       {
-        Point start = parts.front().a, end = parts.back().b;
-        std::vector<Piece> both;
+        Point start = stretches.front().a, end = stretches.back().b;
+        std::vector<Part> both;
         bool seen = AppendSide(Loop(end, start), Side::Plus, both) && AppendSide(Loop(start, end), Side::Minus, both);
-        if (seen) pieces.insert(pieces.end(), both.begin(), both.end());
+        if (seen) parts.insert(parts.end(), both.begin(), both.end());
         return seen;
       }
 
@@ -243,19 +243,19 @@ namespace ngsxfem_contact
           double sine = sign*Cross(ray, tangent)/(Norm(ray)*Norm(tangent));
           if (!end || sine < -1e-7) least = std::min(least, sine);       // it may touch an edge of T where it ends
         };
-        for (auto & part : parts)
+        for (auto & stretch : stretches)
           {
-            Point d = part.b-part.a;
+            Point d = stretch.b-stretch.a;
             if (Norm(d) <= tolerance) continue;
-            if (!part.curved)
+            if (!stretch.curved)
               {
-                if (Norm(Point(A-part.a)) > tolerance && Norm(Point(A-part.b)) > tolerance) { see(part.a, d, false); see(part.b, d, false); }
+                if (Norm(Point(A-stretch.a)) > tolerance && Norm(Point(A-stretch.b)) > tolerance) { see(stretch.a, d, false); see(stretch.b, d, false); }
                 continue;
               }
             for (double t : { 0.0, 0.02, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.98, 1.0 })
               {
-                double s = part.curved->s0 + t*(part.curved->s1-part.curved->s0);
-                see(crack.PointAt(part.curved->segment, s), crack.Tangent(part.curved->segment, s), t == 0 || t == 1);
+                double s = stretch.curved->s0 + t*(stretch.curved->s1-stretch.curved->s0);
+                see(crack.PointAt(stretch.curved->piece, s), crack.Tangent(stretch.curved->piece, s), t == 0 || t == 1);
               }
           }
         return least;
@@ -279,16 +279,16 @@ namespace ngsxfem_contact
         return thickness;
       }
 
-      bool AppendSide (const Polygon & loop, Side side, std::vector<Piece> & pieces) const
+      bool AppendSide (const Polygon & loop, Side side, std::vector<Part> & parts) const
       {
         auto apex = Apex(loop, int(side));
         if (!apex) return Thickness(loop) <= 10*tolerance && loop.size() <= 3;     // nothing but round-off
-        auto append = [&] (Piece piece)
-        { if (Area(piece, crack) > 1e-18*size*size) pieces.push_back(piece); };
+        auto append = [&] (Part part)
+        { if (Area(part, crack) > 1e-18*size*size) parts.push_back(part); };
         for (size_t i = 0; i+1 < loop.size(); i++)
           append({ { *apex, loop[i], loop[i+1] }, side, std::nullopt });
-        for (auto & part : parts)
-          append({ { *apex, part.a, part.b }, side, part.curved });
+        for (auto & stretch : stretches)
+          append({ { *apex, stretch.a, stretch.b }, side, stretch.curved });
         return true;
       }
     };
@@ -297,32 +297,32 @@ namespace ngsxfem_contact
     {
       const Crack & crack;
       double tolerance;
-      std::vector<Piece> & pieces;
+      std::vector<Part> & parts;
 
     public:
-      CurvedDivision (const Crack & acrack, double atolerance, std::vector<Piece> & apieces)
-        : crack(acrack), tolerance(atolerance), pieces(apieces) { }
+      CurvedDivision (const Crack & acrack, double atolerance, std::vector<Part> & aparts)
+        : crack(acrack), tolerance(atolerance), parts(aparts) { }
 
       void Append (const Polygon & polygon, const std::vector<Chord> & chords, int depth)
       {
         if (chords.empty())
           {
             Side side = crack.SideOf(Centre(polygon));
-            for (auto & t : Fan(polygon)) pieces.push_back({ t, side, std::nullopt });
+            for (auto & t : Fan(polygon)) parts.push_back({ t, side, std::nullopt });
             return;
           }
         for (size_t i = 0; i+1 < chords.size(); i++)
           if (chords[i+1].s0-chords[i].s1 > tolerance)
             return Cut(polygon, chords, 0.5*(chords[i].s1+chords[i+1].s0), depth);
-        if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.segment); }))
+        if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.piece); }))
           {
-            auto divided = StraightDivision(polygon, chords, crack, tolerance).Pieces();
-            pieces.insert(pieces.end(), divided.begin(), divided.end());
+            auto divided = StraightDivision(polygon, chords, crack, tolerance).Parts();
+            parts.insert(parts.end(), divided.begin(), divided.end());
             return;
           }
-        if (Pass(polygon, chords, crack, tolerance).Append(pieces)) return;
+        if (Pass(polygon, chords, crack, tolerance).Append(parts)) return;
         for (size_t i = 0; i+1 < chords.size(); i++)
-          if (chords[i+1].segment == chords[i].segment || crack.IsKink(chords[i+1].segment)) return Cut(polygon, chords, chords[i].s1, depth);
+          if (chords[i+1].piece == chords[i].piece || crack.IsKink(chords[i+1].piece)) return Cut(polygon, chords, chords[i].s1, depth);
         Cut(polygon, chords, 0.5*(chords.front().s0+chords.back().s1), depth);
       }
 
@@ -330,21 +330,21 @@ namespace ngsxfem_contact
       /// Divides along the normal of the crack at arc length s, which must not meet the crack again.
       void Cut (const Polygon & polygon, const std::vector<Chord> & chords, double s, int depth)
       {
-        size_t segment = crack.SegmentAt(s);
-        Point m = crack.PointAt(segment, s), t = crack.Tangent(segment, s);
-        if (s == crack.ArcLength(segment+1) && segment+1 < crack.NumSegments()) t = Point(t + crack.Tangent(segment+1, s));
+        size_t piece = crack.PieceAt(s);
+        Point m = crack.PointAt(piece, s), t = crack.Tangent(piece, s);
+        if (s == crack.ArcLength(piece+1) && piece+1 < crack.NumPieces()) t = Point(t + crack.Tangent(piece+1, s));
         std::array<std::vector<Chord>,2> halves;              // ahead and behind
         for (auto chord : chords)
           {
-            if (chord.s1 > s+tolerance) halves[0].push_back({ chord.segment, std::max(chord.s0, s), chord.s1 });
-            if (chord.s0 < s-tolerance) halves[1].push_back({ chord.segment, chord.s0, std::min(chord.s1, s) });
+            if (chord.s1 > s+tolerance) halves[0].push_back({ chord.piece, std::max(chord.s0, s), chord.s1 });
+            if (chord.s0 < s-tolerance) halves[1].push_back({ chord.piece, chord.s0, std::min(chord.s1, s) });
           }
         bool clear = depth > 0;
         for (int k : { 0, 1 })
           for (auto & chord : halves[k])
             for (int i = 0; i <= 8; i++)
               {
-                double along = Dot(Point(crack.PointAt(chord.segment, chord.s0 + i/8.*(chord.s1-chord.s0))-m), t);
+                double along = Dot(Point(crack.PointAt(chord.piece, chord.s0 + i/8.*(chord.s1-chord.s0))-m), t);
                 clear = clear && (k == 0 ? along : -along) > -2*tolerance*Norm(t);
               }
         if (!clear)
@@ -355,21 +355,21 @@ namespace ngsxfem_contact
             double di = Dot(Point(p-m), t)/Norm(t);
             d.push_back(std::abs(di) <= tolerance ? 0 : di);
           }
-        auto parts = Split(polygon, d);
+        auto polygons = Split(polygon, d);
         for (int k : { 0, 1 })
-          if (parts[k].size() > 2) Append(parts[k], halves[k], depth-1);
+          if (polygons[k].size() > 2) Append(polygons[k], halves[k], depth-1);
       }
     };
   }
 
-  std::vector<Piece> Divide (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & crack, double tolerance)
+  std::vector<Part> Divide (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & crack, double tolerance)
   {
-    if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.segment); }))
-      return StraightDivision(polygon, chords, crack, tolerance).Pieces();
+    if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.piece); }))
+      return StraightDivision(polygon, chords, crack, tolerance).Parts();
     Polygon oriented = polygon;
     if (Cross(Point(oriented[1]-oriented[0]), Point(oriented[2]-oriented[0])) < 0) std::reverse(oriented.begin(), oriented.end());
-    std::vector<Piece> pieces;
-    CurvedDivision(crack, tolerance, pieces).Append(oriented, chords, 24);
-    return pieces;
+    std::vector<Part> parts;
+    CurvedDivision(crack, tolerance, parts).Append(oriented, chords, 24);
+    return parts;
   }
 }

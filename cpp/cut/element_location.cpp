@@ -61,7 +61,7 @@ namespace ngsxfem_contact
   {
     ElementMap map(mesh, element);
     auto & t = map.Corners();
-    ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t), {}, {}, 0, 0, map.IsCurved(), nullptr };
+    ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t), {}, {}, {}, map.IsCurved(), nullptr };
     std::vector<PiecePtr> straightened;
     for (size_t i : crack.PiecesNear(BoxAround(map)))
       for (auto & clip : ClipPiece(element, map, i))
@@ -71,17 +71,17 @@ namespace ngsxfem_contact
               aligned[AlignedEdge(element, t, clip.chord)].push_back(element);
               continue;
             }
-          bool tip = (i == 0 && clip.starts_inside) || (i+1 == crack.NumSegments() && clip.ends_inside);
+          bool tip = (i == 0 && clip.starts_inside) || (i+1 == crack.NumPieces() && clip.ends_inside);
           if (tip) location.kind = ElementKind::Tip;
           location.degeneracy.kink_inside |= (clip.starts_inside && i > 0 && crack.IsKink(i))
-            || (clip.ends_inside && i+1 < crack.NumSegments() && crack.IsKink(i+1));
+            || (clip.ends_inside && i+1 < crack.NumPieces() && crack.IsKink(i+1));
           location.chords.push_back(clip.chord);
           straightened.push_back(clip.straightened);
         }
     if (location.chords.empty()) return;
     CheckConnected(location);
     if (location.curved) Straighten(location, straightened);
-    SetPieces(location);
+    SetParts(location);
     index[element] = elements.size();
     elements.push_back(std::move(location));
   }
@@ -106,21 +106,20 @@ namespace ngsxfem_contact
       {
         auto & from = chords[i-1], & to = chords[i];
         if (to.s0-from.s1 <= tolerance) continue;
-        bool onward = Dot(crack.Tangent(from.segment, from.s1), crack.Tangent(to.segment, to.s0)) > 0.5;
+        bool onward = Dot(crack.Tangent(from.piece, from.s1), crack.Tangent(to.piece, to.s0)) > 0.5;
         if (to.s0-from.s1 > 2*location.h || !onward)
           throw Exception("CrackedMesh: the crack passes more than once through the element " + Place(location.triangle)
                           + "; refine the mesh there (h below the distance of the two passes)");
       }
   }
 
-  void CrackLocation :: SetPieces (ElementLocation & location) const
+  void CrackLocation :: SetParts (ElementLocation & location) const
   {
     auto & in_triangle = location.CrackInTriangle(crack);
     auto & chords = location.straightened ? location.straightened->chords : location.chords;
-    location.pieces = Divide(Polygon(location.triangle.begin(), location.triangle.end()), chords, in_triangle, tolerance);
-    location.area_plus = location.area_minus = 0;
-    for (auto & piece : location.pieces)
-      (piece.side == Side::Plus ? location.area_plus : location.area_minus) += Area(piece, in_triangle);
+    location.parts = Divide(Polygon(location.triangle.begin(), location.triangle.end()), chords, in_triangle, tolerance);
+    location.areas = {};
+    for (auto & part : location.parts) location.areas[part.side] += Area(part, in_triangle);
   }
 
   size_t CrackLocation :: AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const
@@ -128,8 +127,8 @@ namespace ngsxfem_contact
     for (auto edge : mesh.GetElement(ElementId(VOL, element)).Edges())
       {
         auto [v0, v1] = mesh.GetEdgePNums(edge);
-        if (std::abs(crack.LineDistance(chord.segment, mesh.GetPoint<2>(v0))) <= tolerance &&
-            std::abs(crack.LineDistance(chord.segment, mesh.GetPoint<2>(v1))) <= tolerance)
+        if (std::abs(crack.LineDistance(chord.piece, mesh.GetPoint<2>(v0))) <= tolerance &&
+            std::abs(crack.LineDistance(chord.piece, mesh.GetPoint<2>(v1))) <= tolerance)
           return edge;
       }
     throw Exception("CrackedMesh: the element " + Place(t) + " is degenerate, its corners lie on a line; mesh the body anew");
@@ -145,14 +144,14 @@ namespace ngsxfem_contact
         if (both.size() < 2)
           throw Exception("CrackedMesh: the crack runs along the boundary of the body " + Place(first) + "; move it inside");
         bool first_is_plus = crack.SideOf(Centre({ first.begin(), first.end() })) == Side::Plus;
-        Side larger = first_is_plus ? LargerSide(Area(first), Area(second)) : LargerSide(Area(second), Area(first));
+        Side larger = (first_is_plus ? Measures { Area(first), Area(second) } : Measures { Area(second), Area(first) }).Larger();
         size_t owner = (larger == Side::Plus) == first_is_plus ? *both.begin() : *both.rbegin();
         aligned_edges.insert(edge);
         if (!index.count(owner))
           {
             ElementMap map(mesh, owner);
-            ElementLocation location { owner, ElementKind::Aligned, {}, map.Corners(), LongestEdge(map.Corners()), {}, {}, 0, 0, map.IsCurved(), nullptr };
-            SetPieces(location);
+            ElementLocation location { owner, ElementKind::Aligned, {}, map.Corners(), LongestEdge(map.Corners()), {}, {}, {}, map.IsCurved(), nullptr };
+            SetParts(location);
             index[owner] = elements.size();
             elements.push_back(std::move(location));
           }
@@ -284,9 +283,43 @@ namespace ngsxfem_contact
     return it == index.end() ? nullptr : &elements[it->second];
   }
 
-  const CutBoundaryEdge * CrackLocation :: FindBoundaryEdge (size_t bnd_element) const
+  bool CrackLocation :: EndsIn (NodeId node, FlatArray<int> support) const
+  {
+    for (auto & end : ends)
+      {
+        if (end.kind != EndKind::Tip) continue;
+        if (end.node == node) return true;
+        if (end.node.GetType() == ngfem::NT_CELL && support.Contains(int(end.node.GetNr()))) return true;
+        if (end.node.GetType() == ngfem::NT_EDGE && HasVertex(end.node.GetNr(), node)) return true;
+      }
+    return false;
+  }
+
+  bool CrackLocation :: RunsAlong (NodeId node) const
+  { return std::ranges::any_of(aligned_edges, [&] (size_t edge) { return node == NodeId(ngfem::NT_EDGE, edge) || HasVertex(edge, node); }); }
+
+  bool CrackLocation :: HasVertex (size_t edge, NodeId node) const
+  {
+    auto [v0, v1] = mesh.GetEdgePNums(edge);
+    return node == NodeId(ngfem::NT_VERTEX, v0) || node == NodeId(ngfem::NT_VERTEX, v1);
+  }
+
+  Side CrackLocation :: SideBeyond (size_t element, size_t edge) const
+  {
+    // the crack may run along the edge
+    ElementMap map(mesh, element);
+    auto [v0, v1] = mesh.GetEdgePNums(edge);
+    auto & t = map.Corners();
+    return crack.SideOf(map.Value(Lerp(Centre({ t[0], t[1], t[2] }), Lerp(mesh.GetPoint<2>(v0), mesh.GetPoint<2>(v1), 0.5), 1.001)));
+  }
+
+  std::optional<Measures> CrackLocation :: BoundarySizes (size_t bnd_element) const
   {
     auto it = boundary_edges.find(bnd_element);
-    return it == boundary_edges.end() ? nullptr : &it->second;
+    if (it == boundary_edges.end()) return std::nullopt;
+    auto & [element, a, b, crossing, along] = it->second;
+    Measures sizes;
+    for (Point end : { a, b }) sizes[crack.SideOf(Lerp(end, crossing, 0.5))] += Norm(Point(crossing-end));
+    return sizes;
   }
 }

@@ -1,29 +1,20 @@
 #pragma once
 // Where each element lies with respect to one crack, and the triangles that a crack divides it into.
 
+#include "cut/cut_geometry.hpp"
 #include "cut/element_map.hpp"
 #include <map>
 #include <set>
 
 namespace ngsxfem_contact
 {
-  using std::shared_ptr;
-
-  enum class ElementKind
-    {
-      Uncut,      // Γ_C does not meet the open element (it may pass through a vertex)
-      Cut,        // Γ_C crosses it from boundary to boundary
-      Tip,        // Γ_C ends inside
-      Aligned     // Γ_C runs along an edge that this element carries for both neighbours
-    };
-
   /// The special positions. A position that holds to within geometric_tolerance counts as exact.
   struct Degeneracy { bool through_vertex = false, along_edge = false, tip_on_edge = false, tip_on_vertex = false, kink_inside = false; };
 
   /// The part of Γ_C in a curved element, in the coordinates of its straight triangle (ElementMap), as a crack of its own.
   struct StraightenedCrack { Crack crack; std::vector<Chord> chords; };
 
-  /// Of a curved element all but the chords refers to its straight triangle: the areas, and the pieces, whose curved sides are parts of
+  /// Of a curved element all but the chords refers to its straight triangle: the areas, and the parts, whose curved sides are stretches of
   /// the straightened crack.
   struct ElementLocation
   {
@@ -33,13 +24,12 @@ namespace ngsxfem_contact
     Triangle triangle;
     double h;                       // longest edge
     std::vector<Chord> chords;      // in the order of arc length; the crack may leave T for a moment between two of them
-    std::vector<Piece> pieces;
-    double area_plus, area_minus;
+    std::vector<Part> parts;
+    Measures areas;
     bool curved;
     shared_ptr<const StraightenedCrack> straightened;       // where the crack crosses or ends in a curved element
-    /// The crack that the pieces refer to.
+    /// The crack that the parts refer to.
     const Crack & CrackInTriangle (const Crack & crack) const { return straightened ? straightened->crack : crack; }
-    Side Larger () const { return LargerSide(area_plus, area_minus); }
     double S0 () const { return chords.front().s0; }
     double S1 () const { return chords.back().s1; }
   };
@@ -77,24 +67,27 @@ namespace ngsxfem_contact
     const ElementLocation * Find (size_t element) const;
     /// The element that carries arc length s, or is nearest to it; of two that meet there the one in which the crack ends.
     const ElementLocation & At (double s) const;
-    const CutBoundaryEdge * FindBoundaryEdge (size_t bnd_element) const;
     const std::map<size_t, CutBoundaryEdge> & BoundaryEdges() const { return boundary_edges; }
-    const std::set<size_t> & AlignedEdges() const { return aligned_edges; }
+    /// See CutGeometry.
+    bool EndsIn (NodeId node, FlatArray<int> support) const;
+    bool RunsAlong (NodeId node) const;
+    Side SideBeyond (size_t element, size_t edge) const;
+    std::optional<Measures> BoundarySizes (size_t bnd_element) const;
     const std::array<CrackEnd,2> & Ends() const { return ends; }
     double Tolerance() const { return tolerance; }
 
   private:
     struct Clip { bool aligned; Chord chord; bool starts_inside, ends_inside; PiecePtr straightened; };
     struct Inside { double t0, t1; bool starts, ends; };
-    std::vector<Clip> ClipPiece (size_t element, const ElementMap & map, size_t segment) const;
-    std::optional<Clip> ClipSegment (const Triangle & t, size_t segment) const;
-    std::vector<Inside> PartsInside (const CurvePiece & piece, size_t element, const Triangle & t) const;
-    std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t segment) const;
-    std::vector<Clip> ClipInCurved (size_t element, const ElementMap & map, size_t segment) const;
+    std::vector<Clip> ClipPiece (size_t element, const ElementMap & map, size_t piece) const;
+    std::optional<Clip> ClipSegment (const Triangle & t, size_t piece) const;
+    std::vector<Inside> RangesInside (const CurvePiece & piece, size_t element, const Triangle & t) const;
+    std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t piece) const;
+    std::vector<Clip> ClipInCurved (size_t element, const ElementMap & map, size_t piece) const;
     void Straighten (ElementLocation & location, const std::vector<PiecePtr> & pieces) const;
     std::vector<size_t> ElementsBeside () const;
     void LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned);
-    void SetPieces (ElementLocation & location) const;
+    void SetParts (ElementLocation & location) const;
     void LocateAligned (const std::map<size_t, std::vector<size_t>> & aligned);
     size_t AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const;
     void LocateEnds (const std::vector<size_t> & beside);
@@ -102,6 +95,7 @@ namespace ngsxfem_contact
     void LocateBoundary ();
     void CheckCovered () const;
     void MakeIntervals ();
+    bool HasVertex (size_t edge, NodeId node) const;
     void CheckConnected (const ElementLocation & location) const;
     void MarkDegenerate (ElementLocation & location) const;
   };

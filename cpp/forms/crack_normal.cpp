@@ -1,21 +1,16 @@
 #include "forms/crack_normal.hpp"
-#include <algorithm>
 
 namespace ngsxfem_contact
 {
   using namespace ngfem;
 
-  CrackFrame :: CrackFrame (shared_ptr<CrackedMesh> abody, bool atangent)
+  CrackFrame :: CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent)
     : CoefficientFunctionNoDerivative(2), body(abody), tangent(atangent) { }
 
   Point CrackFrame :: At (size_t element, Point x) const
   {
-    auto & cracks = body->Cracks();
-    auto distance = [&] (auto & crack) { return crack.Nearest(x).distance; };
-    auto cut = body->Find(element);
-    auto & curve = cut ? cracks[cut->CrackAt(cracks, x).crack] : *std::ranges::min_element(cracks, {}, distance);
-    Point t = curve.Tangent(curve.Nearest(x));
-    return tangent ? t : Left(t);
+    auto frame = body->FrameAt(body->CrackAt(body->Find(element), x), x);
+    return tangent ? frame.tangents[0] : frame.normal;
   }
 
   double CrackFrame :: Evaluate (const BaseMappedIntegrationPoint &) const
@@ -39,7 +34,7 @@ namespace ngsxfem_contact
   double CrackLabel :: At (size_t element, Point x) const
   {
     auto cut = body->Find(element);
-    return cut ? label(cut->CrackAt(body->Cracks(), x)) : 0;
+    return cut ? label(*cut->Find(body->CrackAt(cut, x))) : 0;
   }
 
   double CrackLabel :: Evaluate (const BaseMappedIntegrationPoint & ip) const
@@ -56,7 +51,7 @@ namespace ngsxfem_contact
       values(0, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane])); });
   }
 
-  CrackLimit :: CrackLimit (shared_ptr<CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside)
+  CrackLimit :: CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside)
     : CoefficientFunctionNoDerivative(afunction->Dimension()), body(abody), function(afunction), side(aside)
   { SetDimensions(function->Dimensions()); }
 
@@ -73,10 +68,8 @@ namespace ngsxfem_contact
     Point x(ip.GetPoint()(0), ip.GetPoint()(1));
     auto cut = body->Find(ip.GetTransformation().GetElementNr());
     if (!cut) return function->Evaluate(bip, result);
-    auto & here = cut->CrackAt(body->Cracks(), x);
-    auto & crack = body->GetCrack(here.crack);
-    auto nearest = crack.Nearest(x);
-    Point step = 1e-6*(side ? side : int(here.larger))*here.location->h*Left(crack.Tangent(nearest));
+    size_t crack = body->CrackAt(cut, x);
+    Point step = 1e-6*(side ? side : int(cut->Find(crack)->larger))*cut->h*body->FrameAt(crack, x).normal;
     Vec<2> off = ip.GetJacobianInverse() * Vec<2>(step(0), step(1));
     auto at = [&] (double factor, FlatVector<> values)
     {

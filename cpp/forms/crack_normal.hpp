@@ -1,8 +1,10 @@
 #pragma once
 // The unit normal and tangent of the nearest point of Γ_C, what is known of it, and the side of a point, as coefficient functions.
+// A body is asked as a CutGeometry only, by its final type, so that no call in a loop over points is virtual.
 
 #include "cut/cracked_mesh.hpp"
 #include <coefficient.hpp>
+#include <functional>
 
 namespace ngsxfem_contact
 {
@@ -11,10 +13,10 @@ namespace ngsxfem_contact
   /// n (tangent = false) or t of the crack of the element; elsewhere of the nearest crack.
   class CrackFrame : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<CrackedMesh> body;
+    shared_ptr<const CrackedMesh> body;
     bool tangent;
   public:
-    CrackFrame (shared_ptr<CrackedMesh> abody, bool atangent);
+    CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent);
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
@@ -27,10 +29,10 @@ namespace ngsxfem_contact
   class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
   {
     using Label = std::function<double(const ElementCrack &)>;
-    shared_ptr<CrackedMesh> body;
+    shared_ptr<const CrackedMesh> body;
     Label label;
   public:
-    CrackLabel (shared_ptr<CrackedMesh> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
+    CrackLabel (shared_ptr<const CrackedMesh> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
@@ -42,11 +44,11 @@ namespace ngsxfem_contact
   /// points beside the crack, so that linear functions are exact.
   class CrackLimit : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<CrackedMesh> body;
+    shared_ptr<const CrackedMesh> body;
     shared_ptr<CoefficientFunction> function;
     int side;
   public:
-    CrackLimit (shared_ptr<CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside);
+    CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside);
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;

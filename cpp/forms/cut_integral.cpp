@@ -193,7 +193,7 @@ namespace ngsxfem_contact
     space.TraverseTree([&] (const ngcomp::FESpace & part)
     {
       auto asking = dynamic_cast<const AsksForRules*>(&part);
-      if (asking && &asking->Rules().Body() == body.get()) with.rules = RulesOf(body, Merged(with.rules->Disks(), asking->Rules().Disks()));
+      if (asking && &asking->Rules().Body() == body.get()) with.rules = RulesOf(body, Merged(with.rules->Demands(), asking->Rules().Demands()));
     });
     return with;
   }

@@ -11,11 +11,11 @@ namespace ngsxfem_contact
 
   struct Measure
   {
-    shared_ptr<CrackedMesh> body;
+    shared_ptr<const CrackedMesh> body;
     RuleKind kind;
     shared_ptr<const BodyRules> rules;
 
-    Measure (shared_ptr<CrackedMesh> abody, RuleKind akind) : body(abody), kind(std::move(akind)), rules(RulesOf(body, {})) { }
+    Measure (shared_ptr<const CrackedMesh> abody, RuleKind akind) : body(abody), kind(std::move(akind)), rules(RulesOf(body, {})) { }
 
     shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return rules->Table(kind, vb, order); }
     /// With rules for the functions of a space, too, if it is one on this body.

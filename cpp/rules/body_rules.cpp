@@ -12,14 +12,14 @@ namespace ngsxfem_contact
     index[element] = it->second;
   }
 
-  TipDisks Merged (TipDisks a, const TipDisks & b)
+  TipDemands Merged (TipDemands a, const TipDemands & b)
   {
-    for (auto & [tip, disk] : b)
+    for (auto & [tip, demand] : b)
       {
-        auto & here = a.insert({ tip, disk }).first->second;
-        here.breaks.insert(disk.breaks.begin(), disk.breaks.end());
-        here.tolerance = std::min(here.tolerance, disk.tolerance);
-        here.smoothness = std::min(here.smoothness, disk.smoothness);
+        auto & here = a.insert({ tip, demand }).first->second;
+        here.breaks.insert(demand.breaks.begin(), demand.breaks.end());
+        here.tolerance = std::min(here.tolerance, demand.tolerance);
+        here.smoothness = std::min(here.smoothness, demand.smoothness);
       }
     return a;
   }
@@ -86,20 +86,20 @@ namespace ngsxfem_contact
       }
 
       /// Halved where it meets two disks; then the disk nearer to the crack's part decides.
-      void AppendCurvedPart (const Piece & piece, const Crack & crack, PointRule & rule, int depth = 3) const
+      void AppendCurvedPart (const Part & part, const Crack & crack, PointRule & rule, int depth = 3) const
       {
-        auto near = TipsNear(piece.triangle);
-        auto [segment, s0, s1] = *piece.curved;
-        if (near.empty()) return AppendCone(piece, crack, order, rule);
+        auto near = TipsNear(part.triangle);
+        auto [piece, s0, s1] = *part.curved;
+        if (near.empty()) return AppendCone(part, crack, order, rule);
         double middle = 0.5*(s0+s1);
-        Point apex = piece.triangle[0], m = crack.PointAt(segment, middle);
+        Point apex = part.triangle[0], m = crack.PointAt(piece, middle);
         if (near.size() > 1 && depth > 0)
           {
-            AppendCurvedPart({ { apex, piece.triangle[1], m }, piece.side, Chord { segment, s0, middle } }, crack, rule, depth-1);
-            AppendCurvedPart({ { apex, m, piece.triangle[2] }, piece.side, Chord { segment, middle, s1 } }, crack, rule, depth-1);
+            AppendCurvedPart({ { apex, part.triangle[1], m }, part.side, Chord { piece, s0, middle } }, crack, rule, depth-1);
+            AppendCurvedPart({ { apex, m, part.triangle[2] }, part.side, Chord { piece, middle, s1 } }, crack, rule, depth-1);
           }
         else
-          AppendConeNearTip(piece, crack, order, *Nearest(near, m), rule);
+          AppendConeNearTip(part, crack, order, *Nearest(near, m), rule);
       }
 
       template <typename F>
@@ -112,10 +112,10 @@ namespace ngsxfem_contact
         return std::make_unique<ElementRule>(std::move(ir));
       }
 
-      void AppendPiece (const CutElement & cut, const ElementPart & part, PointRule & rule) const
+      void AppendElementPart (const CutElement & cut, const ElementPart & part, PointRule & rule) const
       {
-        if (part.piece.curved) AppendCurvedPart(part.piece, cut.CrackOf(body.Cracks(), part), rule);
-        else AppendPart(part.piece.triangle, rule);
+        if (part.curved) AppendCurvedPart(part, cut.CrackOf(body.Cracks(), part), rule);
+        else AppendPart(part.triangle, rule);
       }
 
       /// For the Jacobian of a curved element, and a crack that is bent in its coordinates.
@@ -142,7 +142,7 @@ namespace ngsxfem_contact
             };
             auto maker = map.IsCurved() ? Raised() : *this;
             for (auto & part : cut->parts)
-              if (belongs(part)) maker.AppendPiece(*cut, part, points);
+              if (belongs(part)) maker.AppendElementPart(*cut, part, points);
           }
         else
           AppendPart(map.Corners(), points);
@@ -183,11 +183,11 @@ namespace ngsxfem_contact
             std::sort(cuts.begin(), cuts.end());
             for (size_t i = 0; i+1 < cuts.size(); i++)
               {
-                auto at = [&] (double s) { return crack.PointAt(chord.segment, s); };
+                auto at = [&] (double s) { return crack.PointAt(chord.piece, s); };
                 Point a = at(cuts[i]), b = at(cuts[i+1]);
                 auto tip = Nearest(near, Lerp(a, b, 0.5));
-                if (crack.IsStraight(chord.segment)) AppendSegment(a, b, order, tip, location.h, rule);
-                else AppendCurve(crack, { chord.segment, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
+                if (crack.IsStraight(chord.piece)) AppendSegment(a, b, order, tip, location.h, rule);
+                else AppendCurve(crack, { chord.piece, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
               }
           }
       }
@@ -251,10 +251,10 @@ namespace ngsxfem_contact
     };
   }
 
-  BodyRules :: BodyRules (shared_ptr<const CrackedMesh> abody, TipDisks adisks) : body(std::move(abody)), disks(std::move(adisks))
+  BodyRules :: BodyRules (shared_ptr<const CrackedMesh> abody, TipDemands ademands) : body(std::move(abody)), demands(std::move(ademands))
   {
-    for (auto & [tip, disk] : disks)
-      tips.push_back({ body->Tips().at(tip).curve, body->Tips()[tip].point, disk.breaks, disk.tolerance, disk.smoothness });
+    for (auto & [tip, demand] : demands)
+      tips.push_back({ demand, body->Tips().at(tip).curve, body->Tips()[tip].point });
   }
 
   shared_ptr<const RuleTable> BodyRules :: Table (const RuleKind & kind, VorB vb, int order) const
@@ -266,15 +266,40 @@ namespace ngsxfem_contact
     return table;
   }
 
-  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDisks & disks)
+  namespace
   {
-    static std::mutex mutex;
-    static std::map<std::pair<const CrackedMesh*, TipDisks>, std::weak_ptr<const BodyRules>> known;
-    std::lock_guard guard(mutex);
-    std::erase_if(known, [] (auto & item) { return item.second.expired(); });
-    auto & kept = known[{ body.get(), disks }];
-    auto rules = kept.lock();
-    if (!rules) kept = rules = make_shared<BodyRules>(body, disks);
-    return rules;
+    /// The rules that are in use.
+    class KeptRules
+    {
+      std::mutex mutex;
+      std::map<std::pair<const CrackedMesh*, TipDemands>, std::weak_ptr<const BodyRules>> known;
+
+    public:
+      shared_ptr<const BodyRules> Find (shared_ptr<const CrackedMesh> body, const TipDemands & demands)
+      {
+        std::lock_guard guard(mutex);
+        Forget();
+        auto & kept = known[{ body.get(), demands }];
+        auto rules = kept.lock();
+        if (!rules) kept = rules = make_shared<BodyRules>(body, demands);
+        return rules;
+      }
+
+      size_t Count (const CrackedMesh & body)
+      {
+        std::lock_guard guard(mutex);
+        Forget();
+        return std::ranges::count_if(known, [&] (auto & item) { return item.first.first == &body; });
+      }
+
+    private:
+      void Forget () { std::erase_if(known, [] (auto & item) { return item.second.expired(); }); }
+    };
+
+    KeptRules kept_rules;
   }
+
+  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDemands & demands) { return kept_rules.Find(std::move(body), demands); }
+
+  size_t NumKeptRules (const CrackedMesh & body) { return kept_rules.Count(body); }
 }

@@ -47,38 +47,32 @@ namespace ngsxfem_contact
     { return index[element] < 0 ? nullptr : rules[index[element]].get(); }
   };
 
-  /// What the functions of a space at one tip ask of the rules around it: see TipQuadrature.
-  struct TipDisk
-  {
-    std::set<double> breaks;
-    double tolerance;
-    int smoothness;
-    auto operator<=> (const TipDisk &) const = default;
-  };
-
-  /// By the number of the tip. Where several spaces meet in one integral, rules serve all of them.
-  using TipDisks = std::map<size_t, TipDisk>;
-  TipDisks Merged (TipDisks a, const TipDisks & b);
+  /// What the functions of a space ask for, by the number of the tip. Where several spaces meet in one integral, rules serve all of them.
+  using TipDemands = std::map<size_t, TipDemand>;
+  TipDemands Merged (TipDemands a, const TipDemands & b);
 
   /// The rules of a body for functions that are singular in some disks: made when they are first asked for, and kept.
   class BodyRules
   {
     shared_ptr<const CrackedMesh> body;
-    TipDisks disks;
+    TipDemands demands;
     std::vector<TipQuadrature> tips;
     mutable std::map<std::tuple<RuleKind, VorB, int>, shared_ptr<const RuleTable>> tables;
     mutable std::mutex mutex;
 
   public:
-    BodyRules (shared_ptr<const CrackedMesh> abody, TipDisks adisks);
+    BodyRules (shared_ptr<const CrackedMesh> abody, TipDemands ademands);
     const CrackedMesh & Body() const { return *body; }
-    const TipDisks & Disks() const { return disks; }
+    const TipDemands & Demands() const { return demands; }
     /// The table for rules of the given order.
     shared_ptr<const RuleTable> Table (const RuleKind & kind, VorB vb, int order) const;
   };
 
-  /// The rules of a body for functions with these disks. Who asks for equal ones while somebody keeps them gets the same.
-  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDisks & disks);
+  /// The rules of a body for functions with these demands. Who asks for equal ones while somebody keeps them gets the same.
+  shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDemands & demands);
+
+  /// How many sets of rules of a body, for different disks, somebody keeps.
+  size_t NumKeptRules (const CrackedMesh & body);
 
   /// A space with functions that ask for rules of their own.
   class AsksForRules

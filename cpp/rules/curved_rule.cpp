@@ -6,13 +6,13 @@ namespace ngsxfem_contact
 {
   namespace
   {
-    /// Part of a crack's piece, in the piece's own parameter.
-    struct CurvePart
+    /// A stretch of a crack's piece, in the piece's own parameter.
+    struct Stretch
     {
       const CurvePiece & curve;
       double t0, t1;
-      CurvePart (const Crack & crack, const Chord & chord)
-        : curve(crack.Piece(chord.segment)), t0(Parameter(crack, chord, chord.s0)), t1(Parameter(crack, chord, chord.s1)) { }
+      Stretch (const Crack & crack, const Chord & chord)
+        : curve(crack.Piece(chord.piece)), t0(Parameter(crack, chord, chord.s0)), t1(Parameter(crack, chord, chord.s1)) { }
 
       template <typename F>
       void Visit (int order, F && visit) const
@@ -20,15 +20,15 @@ namespace ngsxfem_contact
 
     private:
       double Parameter (const Crack & crack, const Chord & chord, double s) const
-      { return curve.Parameter(s-crack.ArcLength(chord.segment)); }
+      { return curve.Parameter(s-crack.ArcLength(chord.piece)); }
     };
 
-    /// Whether the crack is on θ = ±π in the coordinates of a tip along this part.
+    /// Whether the crack is on θ = ±π in the coordinates of a tip along this stretch.
     bool BelongsTo (const Crack & crack, const Chord & chord, const TipQuadrature & tip)
     {
       for (double t : { 0.0, 0.5, 1.0 })
         {
-          Point p = crack.PointAt(chord.segment, chord.s0 + t*(chord.s1-chord.s0));
+          Point p = crack.PointAt(chord.piece, chord.s0 + t*(chord.s1-chord.s0));
           double r = Norm(Point(p-tip.tip));
           if (r > tip.curve.Reach() || Norm(Point(p-tip.curve.Behind(r).first)) > 1e-9*(chord.s1-chord.s0)) return false;
         }
@@ -55,12 +55,12 @@ namespace ngsxfem_contact
       std::vector<double> cuts { 0 };
 
     public:
-      CrackSweep (const Piece & piece, int order, const TipQuadrature & atip, PointRule & arule)
+      CrackSweep (const Part & part, int order, const TipQuadrature & atip, PointRule & arule)
         : tip(atip), sign(0), n_radial(tip.RadialPoints(order)), n_angular(14+order/2+int(-0.5*log10(tip.tolerance))), rule(arule)
       {
-        auto corners = piece.triangle;
+        auto corners = part.triangle;
         for (auto & p : corners) p = Point(p-tip.tip);
-        snap = 1e-9*LongestEdge(piece.triangle);
+        snap = 1e-9*LongestEdge(part.triangle);
         for (auto & p : corners) if (Norm(p) <= snap) p = Point(0., 0.);
         sign = SignedAngle(corners[0], corners[0]) >= 0 ? 1 : -1;
         for (int i : { 1, 2 }) AppendSide(corners[0], corners[i]);
@@ -191,31 +191,31 @@ namespace ngsxfem_contact
     };
   }
 
-  void AppendCone (const Piece & piece, const Crack & crack, int order, PointRule & rule)
+  void AppendCone (const Part & part, const Crack & crack, int order, PointRule & rule)
   {
-    Point apex = piece.triangle[0];
-    CurvePart(crack, *piece.curved).Visit(order+1, [&] (Point p, Point dp)
+    Point apex = part.triangle[0];
+    Stretch(crack, *part.curved).Visit(order+1, [&] (Point p, Point dp)
     {
       double jacobian = std::abs(Cross(Point(p-apex), dp));
       Gauss(0, 1, order/2+2, [&] (double rho, double w) { rule.push_back({ Lerp(apex, p, rho), w*rho*jacobian }); });
     });
   }
 
-  void AppendConeNearTip (const Piece & piece, const Crack & crack, int order, const TipQuadrature & tip, PointRule & rule)
+  void AppendConeNearTip (const Part & part, const Crack & crack, int order, const TipQuadrature & tip, PointRule & rule)
   {
-    if (auto gauss = GaussOrder(piece.triangle, order, tip)) AppendCone(piece, crack, *gauss, rule);
-    else if (BelongsTo(crack, *piece.curved, tip)) CrackSweep(piece, order, tip, rule).Append();
-    else AppendCone(piece, crack, 24, rule);
+    if (auto gauss = GaussOrder(part.triangle, order, tip)) AppendCone(part, crack, *gauss, rule);
+    else if (BelongsTo(crack, *part.curved, tip)) CrackSweep(part, order, tip, rule).Append();
+    else AppendCone(part, crack, 24, rule);
   }
 
   void AppendCurve (const Crack & crack, const Chord & chord, int order, const TipQuadrature * tip, double break_distance, PointRule & rule)
   {
     if (!tip || !BelongsTo(crack, chord, *tip))
       {
-        CurvePart(crack, chord).Visit(order, [&] (Point p, Point dp) { rule.push_back({ p, Norm(dp) }); });
+        Stretch(crack, chord).Visit(order, [&] (Point p, Point dp) { rule.push_back({ p, Norm(dp) }); });
         return;
       }
-    auto distance = [&] (double s) { return Norm(Point(crack.PointAt(chord.segment, s)-tip->tip)); };
+    auto distance = [&] (double s) { return Norm(Point(crack.PointAt(chord.piece, s)-tip->tip)); };
     auto [from, to] = std::minmax({ distance(chord.s0), distance(chord.s1) });
     auto breaks = tip->breaks;
     breaks.insert(break_distance);

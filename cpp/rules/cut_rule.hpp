@@ -14,13 +14,19 @@ namespace ngsxfem_contact
 
   /// What the singular functions of one tip ask of a rule: inside r1 they are smooth functions of θ and √r,
   /// with a kink of some derivative at each radius in breaks (r0, r1, ...).
-  struct TipQuadrature
+  struct TipDemand
+  {
+    std::set<double> breaks;
+    double tolerance;              // aimed at, relative to the integral over an element
+    int smoothness;                // continuous derivatives of χ
+    auto operator<=> (const TipDemand &) const = default;
+  };
+
+  /// The same with the place.
+  struct TipQuadrature : TipDemand
   {
     TipCurve curve;
-    Point tip = curve.Tip();
-    std::set<double> breaks;
-    double tolerance = 1e-10;      // aimed at, relative to the integral over an element
-    int smoothness = 1;            // continuous derivatives of χ
+    Point tip;
 
     double Radius () const { return *breaks.rbegin(); }
     ngsxfem_contact::Disk Disk () const { return { tip, Radius() }; }

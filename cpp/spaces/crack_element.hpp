@@ -24,17 +24,17 @@ namespace ngsxfem_contact
   /// A point and its sides, each found when it is first asked for and kept for the other functions there.
   class SidedPoint
   {
-    const std::vector<Crack> * cracks = nullptr;
+    const CrackedMesh * body = nullptr;
     Point x;
     size_t crack = size_t(-1);
     int side = 0;
   public:
     SidedPoint () = default;
-    SidedPoint (const std::vector<Crack> & acracks, Point ax) : cracks(&acracks), x(ax) { }
+    SidedPoint (const CrackedMesh & abody, Point ax) : body(&abody), x(ax) { }
     Point Place () const { return x; }
     int SideOf (size_t of)
     {
-      if (of != crack) { crack = of; side = int((*cracks)[of].SideOf(x)); }
+      if (of != crack) { crack = of; side = int(body->SideOf(of, x)); }
       return side;
     }
   };
@@ -47,12 +47,12 @@ namespace ngsxfem_contact
     const BaseScalarFiniteElement & scalar;
     ngcore::FlatArray<HeavisideFunction> heaviside;
     ngcore::FlatArray<const TipFunctions*> tips;
-    const CrackedMesh & body;
-    const CutElement * cut;             // nullptr: no crack meets the element, or nothing jumps in it
+    const CrackedMesh & body;           // asked as a CutGeometry only; by its final type, so that no call is virtual
+    const ElementCracks * cut;          // nullptr: no crack meets the element, or nothing jumps in it
 
   public:
     CrackFiniteElement (const BaseScalarFiniteElement & ascalar, ngcore::FlatArray<HeavisideFunction> aheaviside,
-                        ngcore::FlatArray<const TipFunctions*> atips, const CrackedMesh & abody, const CutElement * acut)
+                        ngcore::FlatArray<const TipFunctions*> atips, const CrackedMesh & abody, const ElementCracks * acut)
       : FiniteElement(0, ascalar.Order()), scalar(ascalar), heaviside(aheaviside), tips(atips), body(abody), cut(acut)
     {
       ndof = 2*NumScalar() + NumTip();
@@ -87,7 +87,7 @@ namespace ngsxfem_contact
       return true;
     }
 
-    SidedPoint At (Point x) const { return { body.Cracks(), x }; }
+    SidedPoint At (Point x) const { return { body, x }; }
 
     /// The factor of φ_i at x; needs no x if IsPolynomial. On one crack the functions of another have no limits of their own.
     double HeavisideFactor (const HeavisideFunction & function, Trace trace, SidedPoint & x) const
@@ -105,7 +105,7 @@ namespace ngsxfem_contact
     }
 
     /// Whether a point of Γ_C lies on another crack.
-    bool IsElsewhere (size_t crack, Point x) const { return IsShared() && cut->CrackAt(body.Cracks(), x).crack != crack; }
+    bool IsElsewhere (size_t crack, Point x) const { return IsShared() && body.CrackAt(cut, x) != crack; }
 
     /// The cracks across which functions of the element jump.
     std::vector<size_t> DividingCracks () const

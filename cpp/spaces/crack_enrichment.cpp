@@ -14,15 +14,15 @@ namespace ngsxfem_contact
   {
     enrichment.clear();
     supports.clear();
-    for (size_t c = 0; c < body->NumCracks(); c++)
+    for (size_t c = 0; c < Geometry().NumCracks(); c++)
       {
         std::set<std::pair<int, size_t>> nodes;
-        for (auto & location : body->Location(c).Elements())
+        for (auto element : Geometry().ElementsOf(c))
           {
-            auto el = ma->GetElement(ElementId(VOL, location.element));
+            auto el = ma->GetElement(ElementId(VOL, element));
             for (auto v : el.Vertices()) nodes.insert({ NT_VERTEX, v });
             for (auto e : el.Edges()) nodes.insert({ NT_EDGE, e });
-            nodes.insert({ NT_CELL, location.element });
+            nodes.insert({ NT_CELL, element });
           }
         for (auto [type, nr] : nodes)
           EnrichNode(NodeId(NODE_TYPE(type), nr), c);
@@ -35,39 +35,34 @@ namespace ngsxfem_contact
     scalar->GetDofNrs(node, dofs);
     if (dofs.Size() == 0) return;
     auto support = ElementsOf(node);
-    if (HoldsTip(node, support, crack) || !IsCrossed(node, support, crack)) return;
+    if (Geometry().EndsIn(crack, node, support) || !IsCrossed(node, support, crack)) return;
     auto sides = SupportSides(node, support, crack);
     if (sides.size() < support.Size())
       throw Exception("CrackFESpace: the crack passes through the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
                       + ", where parts of the body hang together by this point alone; lead it beside the vertex");
-    auto [plus, minus] = SupportAreas(sides, crack);
-    if (std::min(plus, minus) < smallest_part*(plus+minus)) return;
+    auto areas = SupportAreas(sides, crack);
+    if (std::min(areas.plus, areas.minus) < smallest_part*(areas.plus+areas.minus)) return;
     for (auto dof : dofs)
       enrichment.push_back({ dof, supports.size() });
-    supports.push_back({ crack, int(LargerSide(plus, minus)), std::move(sides) });
+    supports.push_back({ crack, int(areas.Larger()), std::move(sides) });
     if (int side = SideOfFixedBoundary(node, supports.back())) supports.back().shift = side;
   }
 
   /// For each component the length of the boundary at a node on which it is held, on either side of the crack.
-  std::array<CrackFESpace::HeldLength,2> CrackFESpace :: HeldLengths (NodeId node, const Support & support) const
+  std::array<Measures,2> CrackFESpace :: HeldLengths (NodeId node, const Support & support) const
   {
-    std::array<HeldLength,2> lengths;
+    std::array<Measures,2> lengths;
     if (node.GetType() == NT_CELL) return lengths;
     bool is_edge = node.GetType() == NT_EDGE;
     for (auto element : ma->GetVertexSurfaceElements(is_edge ? ma->GetEdgePNums(node.GetNr())[0] : node.GetNr()))
       {
         auto el = ma->GetElement(ElementId(BND, element));
         if (is_edge && size_t(el.Edges()[0]) != node.GetNr()) continue;
-        auto add = [&] (Point a, Point b, int side)
-        {
-          for (int k : { 0, 1 })
-            if (held[k][el.GetIndex()]) (side > 0 ? lengths[k].plus : lengths[k].minus) += Norm(Point(b-a));
-        };
-        if (auto cut = body->Location(support.crack).FindBoundaryEdge(element))
-          for (Point end : { cut->a, cut->b })
-            add(end, cut->crossing, int(body->GetCrack(support.crack).SideOf(Lerp(end, cut->crossing, 0.5))));
-        else
-          add(ma->GetPoint<2>(el.Vertices()[0]), ma->GetPoint<2>(el.Vertices()[1]), SideOfBoundaryElement(element, support));
+        Measures sizes;
+        if (auto cut = Geometry().BoundarySizes(support.crack, element)) sizes = *cut;
+        else sizes[Side(SideOfBoundaryElement(element, support))] = EdgeMap(*ma, element).Length();
+        for (int k : { 0, 1 })
+          if (held[k][el.GetIndex()]) lengths[k] += sizes;
       }
     return lengths;
   }
@@ -79,14 +74,14 @@ namespace ngsxfem_contact
   {
     auto lengths = HeldLengths(node, support);
     auto sign = [] (double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; };
-    auto only = [sign] (HeldLength l) { return l.plus > 0 && l.minus > 0 ? 0 : sign(l.plus - l.minus); };
+    auto only = [sign] (Measures l) { return l.plus > 0 && l.minus > 0 ? 0 : sign(l.plus - l.minus); };
     int x = only(lengths[0]), y = only(lengths[1]);
     if (x*y < 0)
       throw Exception("CrackFESpace: the crack meets the boundary at the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
                       + ", where u_x is held on one side of it only and u_y on the other side only; end it beside the vertex, or hold both components on one side");
     if (x+y) return sign(x+y);
-    double plus = lengths[0].plus + lengths[1].plus, minus = lengths[0].minus + lengths[1].minus;
-    return plus+minus == 0 ? 0 : int(LargerSide(plus, minus));
+    lengths[0] += lengths[1];
+    return lengths[0].plus+lengths[0].minus == 0 ? 0 : int(lengths[0].Larger());
   }
 
   Array<int> CrackFESpace :: ElementsOf (NodeId node) const
@@ -101,47 +96,22 @@ namespace ngsxfem_contact
     return elements;
   }
 
-  /// Whether the crack ends inside the open support of the functions of a node.
-  bool CrackFESpace :: HoldsTip (NodeId node, FlatArray<int> support, size_t crack) const
-  {
-    for (auto & end : body->Location(crack).Ends())
-      {
-        if (end.kind != EndKind::Tip) continue;
-        if (end.node == node) return true;
-        if (end.node.GetType() == NT_CELL && support.Contains(int(end.node.GetNr()))) return true;
-        if (end.node.GetType() == NT_EDGE && node.GetType() == NT_VERTEX)
-          {
-            auto [v0, v1] = ma->GetEdgePNums(end.node.GetNr());
-            if (v0 == int(node.GetNr()) || v1 == int(node.GetNr())) return true;
-          }
-      }
-    return false;
-  }
-
   bool CrackFESpace :: IsCrossed (NodeId node, FlatArray<int> support, size_t crack) const
   {
-    auto & location = body->Location(crack);
     for (auto element : support)
-      if (auto place = location.Find(element); place && place->kind == ElementKind::Cut) return true;
-    for (auto edge : location.AlignedEdges())
-      {
-        auto [v0, v1] = ma->GetEdgePNums(edge);
-        if (node == NodeId(NT_EDGE, edge) || node == NodeId(NT_VERTEX, v0) || node == NodeId(NT_VERTEX, v1)) return true;
-      }
-    return false;
+      if (auto here = MetBy(crack, element); here && here->kind == ElementKind::Cut) return true;
+    return Geometry().RunsAlong(crack, node);
   }
 
   /// The crack gives the side of what it touches; from there sides spread over the edges that it does not run along.
   /// (The straight extension of the crack beyond a mouth may run through the body again, so distances will not do.)
   std::map<size_t, int> CrackFESpace :: SupportSides (NodeId node, FlatArray<int> support, size_t crack) const
   {
-    auto & location = body->Location(crack);
-    auto & curve = body->GetCrack(crack);
     std::map<size_t, int> sides;
     std::vector<std::pair<size_t, int>> queue;
     auto place = [&] (size_t element, int side)
     {
-      if (support.Contains(int(element)) && !location.Find(element) && sides.insert({ element, side }).second)
+      if (support.Contains(int(element)) && !MetBy(crack, element) && sides.insert({ element, side }).second)
         queue.push_back({ element, side });
     };
     auto spread = [&] (size_t element, auto side_of_edge)
@@ -155,17 +125,10 @@ namespace ngsxfem_contact
         }
     };
     for (auto element : support)
-      if (auto carried = location.Find(element))
+      if (MetBy(crack, element))
         {
           sides[element] = 0;
-          spread(element, [&] (size_t edge)
-          {
-            // just beyond the edge: the crack may run along it
-            auto [v0, v1] = ma->GetEdgePNums(edge);
-            auto & t = carried->triangle;
-            Point beyond = Lerp(Centre({ t[0], t[1], t[2] }), Lerp(ma->GetPoint<2>(v0), ma->GetPoint<2>(v1), 0.5), 1.001);
-            return int(curve.SideOf(ElementMap(*ma, carried->element).Value(beyond)));
-          });
+          spread(element, [&] (size_t edge) { return int(Geometry().SideBeyond(crack, element, edge)); });
         }
     while (!queue.empty())
       {
@@ -176,18 +139,18 @@ namespace ngsxfem_contact
     return sides;
   }
 
-  std::pair<double,double> CrackFESpace :: SupportAreas (const std::map<size_t, int> & sides, size_t crack) const
+  Measures CrackFESpace :: SupportAreas (const std::map<size_t, int> & sides, size_t crack) const
   {
-    double plus = 0, minus = 0;
+    Measures areas;
     for (auto [element, side] : sides)
-      if (side == 0)
-        {
-          auto location = body->Location(crack).Find(element);
-          plus += location->area_plus;
-          minus += location->area_minus;
-        }
-      else
-        (side > 0 ? plus : minus) += Area(VerticesOf(*ma, element));
-    return { plus, minus };
+      if (side == 0) areas += MetBy(crack, element)->sizes;
+      else areas[Side(side)] += Area(VerticesOf(*ma, element));
+    return areas;
+  }
+
+  const ElementCrack * CrackFESpace :: MetBy (size_t crack, size_t element) const
+  {
+    auto cut = Geometry().Find(element);
+    return cut ? cut->Find(crack) : nullptr;
   }
 }

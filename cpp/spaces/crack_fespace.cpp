@@ -16,7 +16,7 @@ namespace ngsxfem_contact
     }
   }
 
-  CrackFESpace :: CrackFESpace (shared_ptr<CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags)
+  CrackFESpace :: CrackFESpace (shared_ptr<const CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags)
     : FESpace(abody->GetMesh(), Fixed(flags)), body(abody), tolerance(atolerance)
   {
     type = "crackfespace";
@@ -56,7 +56,7 @@ namespace ngsxfem_contact
     if (specs.empty()) return;
     if (specs.size() != places.size())
       throw Exception("CrackFESpace: " + ngcore::ToString(specs.size()) + " tip enrichments for " + ngcore::ToString(places.size()) + " tips; give one for each (body.tips)");
-    TipDisks disks;
+    TipDemands demands;
     for (size_t i = 0; i < places.size(); i++)
       if (auto & spec = specs[i])
         {
@@ -67,9 +67,9 @@ namespace ngsxfem_contact
             throw Exception("CrackFESpace: the disk r1 = " + ngcore::ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
                             + tip.limit + ", at " + ngcore::ToString(tip.clearance) + "; choose r1 below that");
           tips[i].emplace(tip.crack, tip.curve, tip.plus_sign, *spec);
-          disks[i] = { { spec->r0, spec->r1 }, tolerance, spec->cutoff == CutOff::Cubic ? 1 : 2 };
+          demands[i] = { { spec->r0, spec->r1 }, tolerance, spec->cutoff == CutOff::Cubic ? 1 : 2 };
         }
-    rules = RulesOf(body, disks);
+    rules = RulesOf(body, demands);
   }
 
   void CrackFESpace :: SetTipMaterial (size_t tip, double kappa, double mu)
@@ -208,14 +208,14 @@ namespace ngsxfem_contact
 
   int CrackFESpace :: SideOfBoundaryElement (size_t element, const Support & support) const
   {
-    if (body->Location(support.crack).FindBoundaryEdge(element)) return 0;
+    if (Geometry().BoundarySizes(support.crack, element)) return 0;
     auto el = ma->GetElement(ElementId(BND, element));
     Array<int> neighbours;
     ma->GetEdgeElements(el.Edges()[0], neighbours);
     for (auto neighbour : neighbours)
       if (auto it = support.sides.find(neighbour); it != support.sides.end() && it->second != 0) return it->second;
     auto v = el.Vertices();
-    return int(body->GetCrack(support.crack).SideOf(Lerp(ma->GetPoint<2>(v[0]), ma->GetPoint<2>(v[1]), 0.5)));
+    return int(Geometry().SideOf(support.crack, Lerp(ma->GetPoint<2>(v[0]), ma->GetPoint<2>(v[1]), 0.5)));
   }
 
   void CrackFESpace :: CollectHeaviside (VorB vb)

@@ -9,7 +9,7 @@ namespace ngsxfem_contact
 
   class CrackFESpace : public ngcomp::FESpace, public AsksForRules
   {
-    shared_ptr<CrackedMesh> body;
+    shared_ptr<const CrackedMesh> body;
     double tolerance;                                 // of the rules around the tips
     std::array<ngcore::BitArray,2> held;              // by component: the boundary regions on which it is fixed
     shared_ptr<ngcomp::FESpace> scalar;               // P_k
@@ -46,10 +46,10 @@ namespace ngsxfem_contact
   public:
     /// tips: one entry for each tip of the body, empty where there shall be no singular functions, or none at all.
     /// Throws for a disk r1 that does not fit its tip's clearance.
-    CrackFESpace (shared_ptr<CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags);
+    CrackFESpace (shared_ptr<const CrackedMesh> abody, std::vector<std::optional<TipSpec>> atips, double atolerance, const Flags & flags);
 
     string GetClassName () const override { return "CrackFESpace"; }
-    shared_ptr<CrackedMesh> GetBody() const { return body; }
+    shared_ptr<const CrackedMesh> GetBody() const { return body; }
     shared_ptr<ngcomp::FESpace> GetScalar() const { return scalar; }
     std::vector<std::optional<TipSpec>> TipSpecs() const;
     /// Gives the modes at a tip another material: unknowns and rules stay what they are.
@@ -88,14 +88,15 @@ namespace ngsxfem_contact
     DofId FirstTipDof () const { return 2*(NumScalar()+NumHeaviside()); }
 
   private:
+    const CutGeometry<2> & Geometry () const { return *body; }
     void SetTips (const std::vector<std::optional<TipSpec>> & specs);
     void FindEnrichment ();
     void EnrichNode (ngcomp::NodeId node, size_t crack);
     Array<int> ElementsOf (ngcomp::NodeId node) const;
-    bool HoldsTip (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
+    const ElementCrack * MetBy (size_t crack, size_t element) const;
     bool IsCrossed (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
     std::map<size_t, int> SupportSides (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
-    std::pair<double,double> SupportAreas (const std::map<size_t, int> & sides, size_t crack) const;
+    Measures SupportAreas (const std::map<size_t, int> & sides, size_t crack) const;
     const Enrichment & At (size_t j) const;
     const Support & SupportOf (size_t j) const { return supports[At(j).support]; }
     void CollectHeaviside (VorB vb);
@@ -108,8 +109,7 @@ namespace ngsxfem_contact
     const TipSet & TipsOf (ElementId ei) const
     { return tip_sets[ei.VB() <= BND ? tips_of[ei.VB()][ei.Nr()] : 0]; }
     int SideOfBoundaryElement (size_t element, const Support & support) const;
-    struct HeldLength { double plus = 0, minus = 0; };
-    std::array<HeldLength,2> HeldLengths (ngcomp::NodeId node, const Support & support) const;
+    std::array<Measures,2> HeldLengths (ngcomp::NodeId node, const Support & support) const;
     int SideOfFixedBoundary (ngcomp::NodeId node, const Support & support) const;
   };
 }

@@ -17,7 +17,7 @@ namespace ngsxfem_contact
         for (double s : { chord.s0, chord.s1 })
           {
             bool inner = s > location.S0() && s < location.S1();
-            if (!inner || !is_joint(chord.segment, s) || (kinks && is_kink(chord.segment, s))) all.push_back(s);
+            if (!inner || !is_joint(chord.piece, s) || (kinks && is_kink(chord.piece, s))) all.push_back(s);
           }
     std::sort(all.begin(), all.end());
     // two nodes that are nearly one would take signs apart which no displacement tells apart

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
 
-from ..plotting.split_mesh import mesh_arrays
-from ..points import distance_to_segments
+from ..spaces.tip_disk import distance_to_others
 
 if TYPE_CHECKING:
     from ngsolve import CoefficientFunction, Mesh
@@ -105,6 +104,8 @@ class TipFrame:
     def Clearance(self, material: Isotropic | None = None, obstacles: list[tuple[float, str]] | tuple[()] = ()) -> tuple[float, str]:
         """(distance, what is there): of ∂Ω, other cracks, the crack's other end, and parts of it that bend ahead of the tip.
 
+        Domains of integrals may hold kinks, and reach farther than half the way to other tips: they have more room than disks of functions.
+
         Parameters
         ----------
         material
@@ -113,13 +114,7 @@ class TipFrame:
             Further pairs (distance, what).
         """
         point, crack = np.array(self.tip.point), self.crack
-        found = [(distance_to_boundary(self.body.mesh, point), "the boundary of the body")]
-        found += obstacles
-        if material is not None and len(material.regions) > 1:
-            found.append((distance_to_others(self.body.mesh, point, material), "another material"))
-        for number, other in enumerate(self.body.cracks):
-            if number != self.tip.crack:
-                found.append((float(np.hypot(*(other.PointAt(other.ArcLength(tuple(point))) - point))), f"crack {number}"))
+        found = [*self.tip.distances, *obstacles, (distance_to_others(self.body.mesh, point, material), "another material")]
         path = np.array([crack.PointAt(s) for s in np.linspace(0, crack.length, 500)]) - point
         distance = np.hypot(*path.T)
         found.append((distance[0 if self.tip.s > 0 else -1], "the crack's other end"))
@@ -135,12 +130,6 @@ def boundary_segments(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     return tuple(np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
 
 
-def distance_to_boundary(mesh: Mesh, point: np.ndarray) -> float:
-    """Of a point from ∂Ω, without inner interfaces."""
-    a, b = boundary_segments(mesh)
-    return distance_to_segments(a, b, point)
-
-
 def distance_along(mesh: Mesh, point: np.ndarray, direction: np.ndarray) -> float:
     """From a point inside in a direction of unit length to ∂Ω."""
     a, b = boundary_segments(mesh)
@@ -151,15 +140,6 @@ def distance_along(mesh: Mesh, point: np.ndarray, direction: np.ndarray) -> floa
     way = (start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / across
     share = (start[:, 0] * direction[1] - start[:, 1] * direction[0]) / across
     return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min()
-
-
-def distance_to_others(mesh: Mesh, point: np.ndarray, material: Isotropic) -> float:
-    """Of a point from the triangles of another material than that at the point; inf if there are none."""
-    here = material.At(mesh, tuple(point))
-    other = np.array([region != here for region in material.regions])
-    vertices, triangles = mesh_arrays(mesh)
-    corners = vertices[triangles[other[[el.index for el in mesh.Elements()]]]]
-    return distance_to_segments(corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2), point) if len(corners) else np.inf
 
 
 def _angular(

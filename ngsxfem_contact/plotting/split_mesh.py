@@ -141,7 +141,7 @@ def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarra
     cut = mask(body.CrackElements(None))
     uncut = np.flatnonzero(~cut)
     parts = [(int(element), part) for element in np.flatnonzero(cut) for part in body.Parts(int(element))]
-    pieces = [(t, element, int(part.piece.side)) for element, part in parts for t in flat(part.piece, body.CrackInTriangle(element, part.crack))]
+    pieces = [(t, element, int(part.side)) for element, part in parts for t in flat(part, body.CrackInTriangle(element, part.crack))]
     corners = np.array([triangle for triangle, _, _ in pieces]).reshape(-1, 2)
     bends = np.concatenate([in_triangles(body, c, [0, *crack.kinks, crack.length]) for c, crack in enumerate(body.cracks)])
     points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)

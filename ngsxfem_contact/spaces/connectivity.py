@@ -28,9 +28,10 @@ def sides_of_parts(parts: list[ElementPart]) -> set[tuple[int, ...]]:
     """The signs with respect to its cracks of the parts of an element, each once: {()} for an element that no crack meets."""
     if not parts:
         return {()}
-    areas = [abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) for (ax, ay), (bx, by), (cx, cy) in (part.piece.triangle for part in parts)]
-    least = SLIVER * max(areas)
-    return {tuple(map(int, part.sides)) for part, area in zip(parts, areas) if area > least}
+    corners = np.array([part.triangle for part in parts])
+    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    return {tuple(map(int, part.sides)) for part, area in zip(parts, areas) if area > SLIVER * areas.max()}
 
 
 class VertexCopies:

@@ -10,9 +10,10 @@ from .. import _ngsxfem_contact as core
 from ..arguments import INFINITY, check_number, check_positive, check_regions, check_type, check_whole
 from ..errors import warn
 from ..material import Elasticity, Isotropic
+from ..points import place
 from ..protocols import TipFunctions, check_role
-from .resolution import place, warn_of_coarse
-from .tip_disk import largest_disk
+from .resolution import warn_of_coarse
+from .tip_disk import check_disk, largest_disk
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -99,12 +100,8 @@ class TipEnrichment:
             For a disk that does not fit.
         """
         material = None if self.functions == "branch" else self.material
-        radius, limit = largest_disk(body, tip, material)
-        r1 = 0.9 * radius if self.r1 is None else self.r1
-        if radius < tip.clearance and not 0 < r1 <= (1 + 1e-10) * radius:
-            raise ValueError(
-                f"TipEnrichment: the disk r1 = {r1:g} of the tip at ({tip.point[0]:g}, {tip.point[1]:g}) reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or tip=None"
-            )
+        r1 = 0.9 * largest_disk(body, tip, material)[0] if self.r1 is None else self.r1
+        check_disk("TipEnrichment", body, tip, r1, material, "tip=None")
         r0 = r1 / 50 if self.r0 is None else self.r0
         cutoff = core.CutOff.__members__[self.cutoff]
         if self.functions == "branch":
@@ -233,12 +230,7 @@ def decide(V: CrackFESpace, material: Isotropic) -> None:
     """Gives the tips of V whose material was not known that of the problem. Raises ValueError for a disk that reaches another material."""
     for number in getattr(V, "undecided", []):
         tip, spec, here = V.body.tips[number], V.tip_specs[number], material.At(V.mesh, V.body.tips[number].point)
-        radius, limit = largest_disk(V.body, tip, material)
-        if spec.r1 > (1 + 1e-10) * radius:
-            raise ValueError(
-                f"ContactProblem: the disk r1 = {spec.r1:g} of the tip at {place(tip.point)} reaches {limit}, at {radius:g}; "
-                "give CrackFESpace(..., material=...), so that the disk ends before"
-            )
+        check_disk("ContactProblem", V.body, tip, spec.r1, material, "give CrackFESpace(..., material=...), so that the disk ends before")
         V.SetTipMaterial(number, here.kappa, here.mu)
     if isinstance(V, CrackFESpace):
         V.undecided = []

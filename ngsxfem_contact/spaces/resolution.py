@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import warn
+from ..points import place
 from .tip_disk import largest_disk
 
 if TYPE_CHECKING:
@@ -78,8 +79,3 @@ def warn_of_short_increment(body: CrackedMesh, tip: Tip, advance: float) -> bool
         f"leaves the tip's functions little room, and K is wrong by several percent; choose da >= {INCREMENT * size:.2g}, or refine to h <= {advance / INCREMENT:.2g} there"
     )
     return True
-
-
-def place(point: tuple[float, float]) -> str:
-    """A point in a message."""
-    return f"({point[0]:.4g}, {point[1]:.4g})"

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..points import place
+
 if TYPE_CHECKING:
     from ngsolve import BitArray, Mesh
 
@@ -23,12 +25,27 @@ def largest_disk(body: CrackedMesh, tip: Tip, material: Isotropic | None = None)
     if body.mesh.GetCurveOrder() > 1:
         curved = body.mesh.ngmesh.Elements2D().NumPy()["curved"]
         limits.append((distance(body.mesh, np.flatnonzero(curved), tip.point), "a curved element"))
-    if material is not None and len(material.regions) > 1:
-        here = material.At(body.mesh, tip.point)
-        foreign = np.array([region != here for region in material.regions])
-        regions = body.mesh.ngmesh.Elements2D().NumPy()["index"] - 1
-        limits.append((distance(body.mesh, np.flatnonzero(foreign[regions]), tip.point), "another material, for which the modes are wrong"))
+    limits.append((distance_to_others(body.mesh, tip.point, material), "another material, for which the modes are wrong"))
     return min(limits, key=lambda limit: limit[0])
+
+
+def check_disk(who: str, body: CrackedMesh, tip: Tip, r1: float, material: Isotropic | None, remedy: str) -> None:
+    """Raises ValueError if a disk that fits the tip's clearance, which the space checks, reaches elements in which its functions would be wrong."""
+    radius, limit = largest_disk(body, tip, material)
+    if radius < tip.clearance and not 0 < r1 <= (1 + 1e-10) * radius:
+        raise ValueError(
+            f"{who}: the disk r1 = {r1:g} of the tip at {place(tip.point)} reaches {limit}, at {radius:g}; choose 0 < r1 < {radius:g}, or {remedy}"
+        )
+
+
+def distance_to_others(mesh: Mesh, point: tuple[float, float], material: Isotropic | None) -> float:
+    """Of a point from the elements of another material than that at the point; inf if there are none."""
+    if material is None or len(material.regions) < 2:
+        return np.inf
+    here = material.At(mesh, point)
+    foreign = np.array([region != here for region in material.regions])
+    regions = mesh.ngmesh.Elements2D().NumPy()["index"] - 1
+    return distance(mesh, np.flatnonzero(foreign[regions]), point)
 
 
 def distance(mesh: Mesh, elements: BitArray, point: tuple[float, float]) -> float:

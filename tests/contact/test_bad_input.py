@@ -31,11 +31,11 @@ def refused(match, kind=Exception):
         ([(0, INF), (1, 1)], "point 0 .* finite"),
         ([(0, 0), (0, 0)], "zero length"),
         ([(0, 0), (1, 0), (1 + 1e-14, 0)], "points 1 and 2 coincide"),
-        ([(0, 0), (1, 1), (1, 0), (0, 1)], "segments 0 and 2 meet .* cross itself"),
-        ([(0, 0), (1, 0), (1, 1), (0.5, 0)], "segments 0 and 2 meet .* touch"),
-        ([(0, 0), (1, 0), (1, 1), (0, 0)], "segments 0 and 2 meet"),
-        ([(0, 0), (1, 0), (0.5, 0)], "segments 0 and 1 meet"),
-        ([(0, 0), (1, 0), (-1, 0)], "segments 0 and 1 meet"),
+        ([(0, 0), (1, 1), (1, 0), (0, 1)], "pieces 0 and 2 meet .* cross itself"),
+        ([(0, 0), (1, 0), (1, 1), (0.5, 0)], "pieces 0 and 2 meet .* touch"),
+        ([(0, 0), (1, 0), (1, 1), (0, 0)], "pieces 0 and 2 meet"),
+        ([(0, 0), (1, 0), (0.5, 0)], "pieces 0 and 1 meet"),
+        ([(0, 0), (1, 0), (-1, 0)], "pieces 0 and 1 meet"),
     ],
 )
 def test_cracks(points, message):

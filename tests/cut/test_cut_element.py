@@ -66,9 +66,9 @@ def test_parts_lie_on_their_sides(body):
     for element in range(body.mesh.ne):
         numbers = body.CracksOf(element)
         for part in body.Parts(element):
-            centre = tuple(np.mean(part.piece.triangle, axis=0))
+            centre = tuple(np.mean(part.triangle, axis=0))
             assert part.crack in numbers and len(part.sides) == len(numbers) == len(part.larger)
-            if part.piece.curved is None:
+            if part.curved is None:
                 assert part.sides == [body.cracks[c].SideOf(centre) for c in numbers]
 
 

@@ -46,7 +46,7 @@ def test_nearest_points(crack):
 def test_a_long_crack_that_meets_itself_is_refused():
     spiral = lambda turns, n: [((0.1 + 0.02 * t) * np.cos(t), (0.1 + 0.02 * t) * np.sin(t)) for t in np.linspace(0, 2 * np.pi * turns, n)]
     Crack(spiral(3, 2000))
-    with pytest.raises(Exception, match=r"segments \d+ and 1999 meet near .* must not touch or cross itself"):
+    with pytest.raises(Exception, match=r"pieces \d+ and 1999 meet near .* must not touch or cross itself"):
         Crack([*spiral(3, 2000), (0.05, 0.0)])
 
 
@@ -65,11 +65,11 @@ def test_a_jagged_crack_divides_few_elements(n, height):
     assert Integrate(1 * body.dx, mesh) == pytest.approx(1, abs=1e-12)
     assert Integrate(1 * body.dcrack, mesh) == pytest.approx(crack.length, rel=1e-10)
     assert sum(place.area_plus for place in body.Elements(0)) == pytest.approx(area - sum_above(body), abs=1e-12)
-    assert sum(len(place.pieces) for place in body.Elements(0)) < 12 * n
+    assert sum(len(place.parts) for place in body.Elements(0)) < 12 * n
     for place in body.Elements(0):
-        for piece in place.pieces:
-            centre = tuple(np.mean(piece.triangle, axis=0))
-            assert crack.Distance(centre) < 1e-9 or crack.SideOf(centre) == piece.side
+        for part in place.parts:
+            centre = tuple(np.mean(part.triangle, axis=0))
+            assert crack.Distance(centre) < 1e-9 or crack.SideOf(centre) == part.side
 
 
 def sum_above(body):

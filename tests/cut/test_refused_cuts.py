@@ -23,7 +23,7 @@ BODY = CrackedMesh(MESH, CRACK)
     (lambda: Crack([(0, 0), (0.5, 0.5), (0.5, 0.5), (1, 1)]), "points 1 and 2 coincide"),
     (lambda: Crack.Arc((0, 0), (float("nan"), 1), (1, 0)), r"point \(nan, 1\) is not finite"),
     (lambda: Crack.Join(CRACK, [(0.6, 0.5), (1, 1)]), "Crack.Join: .* is not a Crack"),
-    (lambda: Crack([(0, 0), (1, 0), (1, 1), (0.5, -0.5)]), r"segments 0 and 2 meet near \(0.6"),
+    (lambda: Crack([(0, 0), (1, 0), (1, 1), (0.5, -0.5)]), r"pieces 0 and 2 meet near \(0.6"),
 ])  # fmt: skip
 def test_curves_that_are_no_crack(make, reason):
     with pytest.raises(Exception, match=reason):

@@ -50,6 +50,17 @@ def test_tests_mirror_the_layers():
     assert layers - folders <= {"exact"} and folders - layers == {"project", "study"}
 
 
+PLANE_ONLY = {"trace_space.cpp", "trace_space.hpp"}  # multipliers on curves
+
+
+@pytest.mark.parametrize("path", [path for path in CPP_FILES if path.parent.name in ("forms", "spaces") and path.name not in PLANE_ONLY], ids=name_of)
+def test_spaces_and_forms_ask_for_geometry_by_the_interface(path):
+    """What cut_geometry.hpp offers, and the tips: neither curves nor where they lie in elements."""
+    inside = re.compile(r"\b(GetCrack|Cracks|Location|CrackLocation|ElementLocation|location|chords|BoundaryEdges)\b")
+    assert inside.search((ROOT / "cpp/spaces/trace_space.cpp").read_text(encoding="utf-8"))
+    assert not inside.findall(path.read_text(encoding="utf-8"))
+
+
 def graph_within(files, uses):
     """File → files of the same layer that it uses."""
     return {name_of(path): {name_of(path.parent / f"{name}{path.suffix}") for name in uses(path)} for path in files}

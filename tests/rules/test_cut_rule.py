@@ -90,8 +90,8 @@ def test_moments_beside_a_kink(left, kink, right, order):
     uncut = [i for i in range(mesh.ne) if not body.CrackElements(0)[i]]
     values = Integrate(f * body.dx, mesh, element_wise=True)
     whole = moment([k, q, (1, 1), (0, 1), p], order)
-    pieces = sum(moment(oriented(c.triangle), order) for e in body.Elements(0) for c in e.pieces if c.side == Side.Plus)
-    assert pieces + sum(values[i] for i in uncut) == pytest.approx(whole, abs=1e-13)
+    parts = sum(moment(oriented(c.triangle), order) for e in body.Elements(0) for c in e.parts if c.side == Side.Plus)
+    assert parts + sum(values[i] for i in uncut) == pytest.approx(whole, abs=1e-13)
 
 
 def oriented(triangle):

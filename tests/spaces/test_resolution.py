@@ -141,7 +141,7 @@ NEXT_TO = {
     "another tip": ([[(-0.5, 0.01), (0, 0.01)], [(0.16, 0.01), (0.5, 0.01)]], r"half the way to the tip at"),
     "another crack": ([[(-0.5, 0.01), (0, 0.01)], [(0.05, -0.5), (0.05, 0.5)]], "crack 1, at 0.05"),
     "the boundary": ([[(0.2, 0.01), (0.95, 0.01)]], "the boundary of the body, at 0.05"),
-    "a kink": ([[(-0.5, 0.01), (0, 0.01), (0.06, 0.05)]], "another segment of the same crack"),
+    "a kink": ([[(-0.5, 0.01), (0, 0.01), (0.06, 0.05)]], "another piece of the same crack"),
 }
 
 
