@@ -198,6 +198,7 @@ def star_is_cut(mesh, vertex, points, tips):
     Inside: in the open triangles, on the open edges that meet in the vertex, or through the vertex.
     """
     crossed = False
+    line = np.concatenate([np.asarray(p) + np.linspace(0, 1, 2001)[:, None] * np.subtract(q, p) for p, q in pairs(points)])
     for element in mesh.vertices[vertex].elements:
         corners = [mesh[v].point for v in mesh[element].vertices]
         numbers = [v.nr for v in mesh[element].vertices]
@@ -206,13 +207,14 @@ def star_is_cut(mesh, vertex, points, tips):
         normal = left_normal(*opposite)
         others = [left_normal(corners[i], opposite[0]), left_normal(opposite[1], corners[i])]
 
-        def inside(p):
-            return (p - opposite[0]) @ normal > 1e-9 and all((p - np.asarray(corners[i])) @ n > -1e-9 for n in others)
+        def meets(places):
+            """Whether one of the places, an array (n, 2), lies inside."""
+            beside = [(places - np.asarray(corners[i])) @ n > -1e-9 for n in others]
+            return bool(np.all([(places - np.asarray(opposite[0])) @ normal > 1e-9, *beside], axis=0).any())
 
-        if any(inside(np.asarray(tip)) for tip in tips):
+        if tips and meets(np.array(tips)):
             return False
-        line = np.concatenate([np.asarray(p) + np.linspace(0, 1, 2001)[:, None] * np.subtract(q, p) for p, q in pairs(points)])
-        crossed |= any(inside(p) for p in line)
+        crossed |= meets(line)
     return crossed
 
 
