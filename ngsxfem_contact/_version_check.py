@@ -3,7 +3,8 @@
 from ngsolve.config import NGSOLVE_VERSION_PYTHON
 
 try:
-    from ._build_info import NGSOLVE_VERSION, VERSION  # noqa: F401
+    from ._build_info import NGSOLVE_VERSION
+    from ._build_info import VERSION as VERSION
 except ImportError:  # none, or one without the version
     raise ImportError(
         "this copy of ngsxfem_contact is source code that has not been built: run `make dev` "
