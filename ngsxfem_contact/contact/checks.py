@@ -19,7 +19,7 @@ from .stabilisation import trait
 
 def check_gap(system):
     """Raises ValueError for an initial gap that is not finite, or negative somewhere."""
-    gap = system.G[: system.nodes.ndof]
+    gap = system.G[: len(system.nodes)]
     if not np.isfinite(gap).all():
         raise ValueError("the initial gap is not finite (NaN or inf): check `gap` on the whole crack")
     if (gap < -1e-12 * np.abs(gap).max()).any():

@@ -8,19 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..spaces.trace_space import mass_matrix
-
 
 @dataclass(frozen=True)
 class Nonpositive:
     """M₀⁻ (9) and M₁⁻ (10): λ ≤ 0 at every node."""
 
-    def Transformation(self, W):
+    def Transformation(self, nodes):
         """T, dense; p are the nodal values."""
-        values = W.NodalValues()
-        return np.eye(W.ndof) if values is None else np.linalg.inv(values)
+        return nodes.functions
 
-    def Values(self, W, nodal):
+    def Values(self, nodes, nodal):
         """The p of a function with the given nodal values."""
         return nodal
 
@@ -29,19 +26,13 @@ class Nonpositive:
 class Weak:
     """M₁*⁻ (11): ∫λψ ≥ 0 for all ψ in M₁⁻, that is p = ∫λψ_i ≤ 0 for the nodal functions ψ_i."""
 
-    def Transformation(self, W):
-        """T = M⁻¹ for nodal functions; with N their values at the nodes, (N⁻ᵀM)⁻¹ for others."""
-        values = W.NodalValues()
-        mass = mass_matrix(W).toarray()
-        if values is not None:
-            mass = np.linalg.solve(values.T, mass)
-        return np.linalg.inv(mass)
+    def Transformation(self, nodes):
+        """T: from moments to nodal values, from these to coefficients."""
+        return nodes.functions @ np.linalg.inv(nodes.mass)
 
-    def Values(self, W, nodal):
+    def Values(self, nodes, nodal):
         """The p of a function with the given nodal values: its moments ∫ f ψ_i."""
-        values = W.NodalValues()
-        coefficients = nodal if values is None else np.linalg.solve(values, nodal)
-        return np.linalg.solve(self.Transformation(W), coefficients)
+        return nodes.mass @ nodal
 
 
 CONES = {"nonpositive": Nonpositive(), "weak": Weak()}

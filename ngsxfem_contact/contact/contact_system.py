@@ -9,6 +9,8 @@ from scipy.sparse import block_diag, csr_matrix, vstack
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
 from ..spaces.incompressible import stress_power
+from ..spaces.nodes import Nodes
+from ..spaces.trace_space import TraceNodes
 
 
 @dataclass
@@ -28,13 +30,14 @@ class GivenTraction:
 class ContactSystem:
     """K - K_γ as an NGSolve matrix; E = B - C_γ and D_γ as scipy matrices; G, the initial gap, an array: the blocks of (38).
 
-    gamma: γ or None.    nodes: where the signs are taken, W or what stands for it.    weights: ∫ψ_i, the length of Γ_C that
-    belongs to each multiplier.    traction: the ComparedTraction, R_h.
+    gamma: γ or None.    nodes: the Nodes where the signs are taken.    traction: the ComparedTraction, R_h.
 
     Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
     With friction the multiplier is L = (L_n, L_t), the rows of B are -∫ψ_i g_n and -∫ψ_i g_t, those of C_γ ∫γψ_i R_n and
     ∫γψ_i R_t, R_t = σ_t of the larger part, and K_γ = ∫γ (R_n R_n + R_t R_t).
     """
+
+    nodes: Nodes
 
     def __init__(self, problem):
         self.problem, self.components = problem, problem.friction.components
@@ -43,10 +46,10 @@ class ContactSystem:
         self._assemble(problem)
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
         self.G = np.zeros(self.E.shape[0])
-        self.G[: self.nodes.ndof] = self.InitialGap(problem)
+        self.G[: len(self.nodes)] = self.InitialGap(problem)
 
     def _assemble(self, problem):
-        """nodes, stiffness, E, D, weights."""
+        """nodes, stiffness, E, D."""
         V, W = problem.V, problem.W
         u, v = V.TnT()
         lam, mu = W.TnT()
@@ -55,10 +58,9 @@ class ContactSystem:
         if self.gamma is not None:
             stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
             mass = to_scipy(BilinearForm(self.gamma * lam * mu * self.dcrack).Assemble().mat)
-        self.nodes, self.stiffness = W, stiffness.Assemble().mat
+        self.nodes, self.stiffness = TraceNodes(W), stiffness.Assemble().mat
         self.E = vstack([self._coupling(problem, component) for component in self.components], format="csr")
         self.D = block_diag([mass] * len(self.components), format="csr")
-        self.weights = np.tile(LinearForm(mu * self.dcrack).Assemble().vec.FV().NumPy(), len(self.components))
 
     def _coupling(self, problem, component):
         """The rows of B - C_γ of one component."""

@@ -13,6 +13,7 @@ from ..loads.load import AppliedLoad, check_unchanged
 from ..operators import NORMAL, TANGENTIAL, NormalGap, Slip
 from ..points import crack_points
 from ..spaces.incompressible import stress, stress_power
+from ..spaces.nodes import Nodes
 from .mixed_system import LocalPressures
 
 
@@ -36,12 +37,12 @@ class CrackProfile:
 class State:
     """Of the nodes where signs are taken.
 
-    nodes: W, or what stands for it.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
+    nodes: Nodes.    L: the multipliers there.    moments: (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
     residual: moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
     p: the values whose signs are checked, L = T p.    work: of friction in this step, and how far it may be off.
     """
 
-    nodes: object
+    nodes: Nodes
     L: np.ndarray
     moments: np.ndarray
     residual: np.ndarray
@@ -203,17 +204,15 @@ class ContactSolution:
 
     def SlipTransitions(self, crack=0):
         """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
-        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.state.nodes.ndof)
+        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(len(self.state.nodes))
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
     def _changes(self, states, crack, where=lambda a, b: True):
-        positions = self.state.nodes.NodalPositions()
-        check_item(crack, positions, "crack", "body.cracks")
-        first = sum(len(p) for p in positions[:crack])
-        a, b = (states[first : first + len(positions[crack])][part] for part in (slice(None, -1), slice(1, None)))
-        changes = np.flatnonzero((a != b) & where(a, b))
-        s = np.array(positions[crack])
-        return 0.5 * (s[changes] + s[changes + 1])
+        check_item(crack, self.body.cracks, "crack", "body.cracks")
+        nodes = self.state.nodes
+        pairs = nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack]
+        a, b = states[pairs.T]
+        return nodes.arclengths[pairs[(a != b) & where(a, b)]].mean(axis=1)
 
     def StressIntensity(self, tip=0, method="interaction", radius=None):
         """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).

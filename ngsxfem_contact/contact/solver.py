@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from ngsolve import GridFunction
+from scipy.spatial import cKDTree
 
 from ..algebra.active_set import coarse_start
 from ..algebra.elimination import Elimination, ReducedLoad
@@ -130,7 +131,7 @@ class ReducedProblem:
 
         cone: "nonpositive" or "weak"; default the problem's.    r: the parameter of the projection (39), relative; the
         answer does not depend on it.    start: first active set: boolean, one for each nodal sign, or a ContactSolution
-        on any mesh whose cracks have the same arc lengths; default: that of `previous`, or from coarser sets, see
+        on any mesh with the same cracks; default: that of `previous`, or from coarser sets, see
         active_set.coarse_start.    load: a Load; default what the problem held when it was reduced.
         previous: with friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
         """
@@ -143,7 +144,7 @@ class ReducedProblem:
         report = Report(
             (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
         )
-        with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
+        with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"):
             T, Q = self._signs(cone)
             G = self._gaps(previous) + load.given_traction.G
             q = T.T @ (load.g - G)
@@ -170,7 +171,7 @@ class ReducedProblem:
         if len(previous.state.moments) != len(self.system.G):
             raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")
         G = self.system.G.copy()
-        G[self.system.nodes.ndof :] = previous.state.moments[self.system.nodes.ndof :]
+        G[len(self.system.nodes) :] = previous.state.moments[len(self.system.nodes) :]
         return G
 
     def _first_set(self, Q, q, start, previous, report):
@@ -181,9 +182,8 @@ class ReducedProblem:
             return active_on(nodes, start)
         if start is not None:
             return start
-        order = along_cracks(nodes)
-        active = np.empty(nodes.ndof, dtype=bool)
-        active[order], report.coarse_iterations = coarse_start(Q[np.ix_(order, order)], q[order])
+        n = len(nodes)
+        active, report.coarse_iterations = coarse_start(Q[:n, :n], q[:n], nodes.neighbours)
         return active
 
     def _signs(self, cone):
@@ -226,23 +226,17 @@ def problem_cone(problem, cone):
     return CONES[cone] if isinstance(cone, str) else cone
 
 
-def along_cracks(W):
-    """The numbers of the nodal signs in the order of their arc lengths, crack by crack."""
-    first, order = 0, []
-    for positions in W.NodalPositions():
-        order.append(first + np.argsort(positions, kind="stable"))
-        first += len(positions)
-    return np.concatenate(order)
-
-
-def active_on(W, solution):
-    """The active set of a solution at the nodes of W: that of the nearest of its own nodes, by arc length."""
-    theirs, ours = solution.state.nodes.NodalPositions(), W.NodalPositions()
-    if len(theirs) != len(ours):
-        raise ValueError(f"start is a solution with {len(theirs)} cracks for a problem with {len(ours)}; both need the same cracks")
-    states = np.split(solution.report.active[-1], np.cumsum([len(s) for s in theirs])[:-1])
-    nearest = [np.abs(np.subtract.outer(np.array(s), np.array(t))).argmin(axis=1) for s, t in zip(ours, theirs)]
-    return np.concatenate([state[n] for state, n in zip(states, nearest)])
+def active_on(nodes, solution):
+    """The active set of a solution at nodes: that of the nearest of its own nodes on the same crack."""
+    theirs, active = solution.state.nodes, np.empty(len(nodes), dtype=bool)
+    number, ours = (int(of.cracks.max()) + 1 for of in (theirs, nodes))
+    if number != ours:
+        raise ValueError(f"start is a solution with {number} cracks for a problem with {ours}; both need the same cracks")
+    for crack in range(ours):
+        there, here = np.flatnonzero(theirs.cracks == crack), nodes.cracks == crack
+        _, nearest = cKDTree(theirs.positions[there]).query(nodes.positions[here])
+        active[here] = solution.report.active[-1][there[nearest]]
+    return active
 
 
 def complementarity(system, problem, U, L, G, free_gap, p, T, cone):
@@ -251,7 +245,7 @@ def complementarity(system, problem, U, L, G, free_gap, p, T, cone):
     free_gap: the second row of (38) without multipliers; its jumps count as displacements, which may all be zero where contact carries the load.
     """
     w = T.T @ (system.Moments(U, L) - G)
-    lengths = np.maximum(np.abs(T.T) @ np.abs(system.weights), TINY)
+    lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.friction.components)), TINY)
     displacement = max(np.abs(U[: 2 * (problem.V.scalar_space.ndof + problem.V.num_heaviside)]).max(), (np.abs(T.T @ free_gap) / lengths).max())
     scale = max(np.abs(p).max(), TINY)
     return problem.friction.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, cone)

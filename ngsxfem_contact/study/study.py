@@ -23,6 +23,7 @@ from ..contact.solver import ReducedProblem
 from ..contact.stabilisation import BarbosaHughes, BothSides
 from ..errors import SolveError
 from ..files import UnreadableFile, only_one, write_whole
+from ..spaces.trace_space import TraceNodes
 from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, varied_mesh
 
 SIZES = (0.088, 0.057, 0.03, 0.016, 0.008)
@@ -73,7 +74,7 @@ class Reference:
             self.u, self.multiplier, self.active = pickle.loads(Path(path).read_bytes())
         except (pickle.UnpicklingError, EOFError, AttributeError, IndexError, ValueError) as error:
             raise UnreadableFile(f"{path} is no reference solution ({error}); delete it, it will be computed again") from None
-        self.nodes = np.array(self.multiplier.space.basis.nodes[0])
+        self.nodes = TraceNodes(self.multiplier.space)
         self.nodal_values = self.multiplier.vec.FV().NumPy().copy()
 
     def Displacement(self, x, y):
@@ -85,12 +86,12 @@ class Reference:
         """The reference as a ContactSolution."""
         problem = ContactProblem(self.u.space, self.multiplier.space, MATERIAL)
         report = Report((self.u.space.ndof, self.multiplier.space.ndof), converged=True, active=[self.active])
-        state = State(self.multiplier.space, self.nodal_values, np.zeros(0), np.zeros(0))
+        state = State(self.nodes, self.nodal_values, np.zeros(0), np.zeros(0))
         return ContactSolution(problem, self.u, [self.multiplier], report, None, state)
 
     def Pressure(self, s):
         """λ at arc lengths."""
-        return np.interp(s, self.nodes, self.nodal_values)
+        return np.interp(s, self.nodes.arclengths, self.nodal_values)
 
 
 class ErrorMeasure:
