@@ -36,7 +36,7 @@ def errors(seed):
     problem.SetDirichlet(exact.u, boundary)
     solution = problem.Solve()
     best = cf.error_on_crack(solution, best_approximation(W, exact) - exact.pressure, 10)
-    nodes = np.array(W.basis.nodes[0]) + left
+    nodes = np.array(W.basis.division[0]) + left
     i = np.searchsorted(nodes, 0) - 1
     return cf.pressure_error(solution, exact), best, -nodes[i] / (nodes[i + 1] - nodes[i]), (nodes[i + 1] - nodes[i]) / 0.06
 

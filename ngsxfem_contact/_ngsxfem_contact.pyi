@@ -17,6 +17,7 @@ __all__: list[str] = [
     "CrackEnd",
     "CrackFESpace",
     "CrackedMesh",
+    "CurveNodes",
     "CutDifferentialSymbol",
     "CutOff",
     "Degeneracy",
@@ -919,6 +920,61 @@ class CrackBilinearForm(ngsolve.comp.BilinearForm):
 
     def __init__(self, space: CrackFESpace, name: str = "crack_form", **flags: typing.Any) -> None: ...
 
+class CurveNodes:
+    """
+    Nodes on the cracks, crack by crack, in the order of arc length: one list of arc lengths, increasing, and one of weights for each.
+    """
+
+    @typing.overload
+    def __init__(self, nodes: CurveNodes) -> None: ...
+    @typing.overload
+    def __init__(
+        self,
+        body: CrackedMesh,
+        arclengths: collections.abc.Sequence[collections.abc.Sequence[float]],
+        weights: collections.abc.Sequence[collections.abc.Sequence[float]],
+    ) -> None: ...
+    def __len__(self) -> int:
+        """
+        The number of nodes.
+        """
+
+    @property
+    def arclengths(self) -> numpy.ndarray:
+        """
+        Array (n,): of each node the arc length on its crack.
+        """
+
+    @property
+    def body(self) -> CrackedMesh:
+        """
+        The CrackedMesh.
+        """
+
+    @property
+    def cracks(self) -> numpy.ndarray:
+        """
+        Array (n,): of each node the number of its crack.
+        """
+
+    @property
+    def neighbours(self) -> numpy.typing.NDArray[numpy.uint64]:
+        """
+        Array (k, 2): the numbers of two nodes beside each other on a crack.
+        """
+
+    @property
+    def positions(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Array (n, 2): the points.
+        """
+
+    @property
+    def weights(self) -> numpy.ndarray:
+        """
+        Array (n,): ∫ψ_i, the length of the cracks that belongs to each node.
+        """
+
 class TraceSpace(ngsolve.comp.FESpace):
     """
     The space of multipliers on the cracks; ngsxfem_contact.TraceSpace builds it from a name.
@@ -940,7 +996,7 @@ class TraceSpace(ngsolve.comp.FESpace):
     @property
     def dcrack(self) -> CutDifferentialSymbol:
         """
-        The measure on the cracks, its rules divided at the nodes of this space.
+        The measure on the cracks, its rules divided where the intervals of this space end.
         """
 
     @property
@@ -954,16 +1010,21 @@ class TraceBasis:
     The functions of a TraceSpace, and where they live.
     """
 
+    def Nodes(self) -> CurveNodes:
+        """
+        The points of the Lagrange functions of this order on the intervals, as CurveNodes: of order 0 their middles.
+        """
+
+    @property
+    def division(self) -> list[list[float]]:
+        """
+        Arc lengths that divide each crack into intervals, from 0 to its length.
+        """
+
     @property
     def ndof(self) -> int:
         """
         The number of functions.
-        """
-
-    @property
-    def nodes(self) -> list[list[float]]:
-        """
-        Arc lengths of the nodes, one list for each crack.
         """
 
 class NodalTraceBasis(TraceBasis):
@@ -976,12 +1037,7 @@ class NodalTraceBasis(TraceBasis):
         For nodes that do not increase from 0 to the length of each crack.
     """
 
-    def DofPositions(self, crack: int) -> list[float]:
-        """
-        The arc length to which each function of a crack belongs.
-        """
-
-    def __init__(self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]]) -> None: ...
+    def __init__(self, body: CrackedMesh, order: int, division: collections.abc.Sequence[collections.abc.Sequence[float]]) -> None: ...
 
 class MeshTraceBasis(TraceBasis):
     """
@@ -989,7 +1045,7 @@ class MeshTraceBasis(TraceBasis):
     """
 
     def __init__(
-        self, body: CrackedMesh, order: int, nodes: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
+        self, body: CrackedMesh, order: int, division: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
 
 class Domain(_Enumeration):

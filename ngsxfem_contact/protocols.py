@@ -20,30 +20,48 @@ if TYPE_CHECKING:
 
 
 class Nodes(Protocol):
-    """Where the signs of the multiplier are taken: a TraceSpace, or what stands for it."""
+    """What cones, laws of friction and active sets ask: of n nodes, one for each multiplier of a component. No arc lengths."""
 
     @property
-    def ndof(self) -> int:
-        """The number of the multiplier's unknowns."""
+    def cracks(self) -> np.ndarray:
+        """(n,) int: of each node the number of its crack."""
 
     @property
-    def body(self) -> "CrackedMesh":
-        """The body whose cracks they are on."""
+    def positions(self) -> np.ndarray:
+        """(n, dimension): the points."""
 
-    def NodalPositions(self) -> "Sequence[np.ndarray]":
-        """For each crack the arc lengths of its nodes."""
+    @property
+    def weights(self) -> np.ndarray:
+        """(n,): ∫ψ_i, how much of the cracks belongs to each node."""
 
-    def NodalValues(self) -> np.ndarray | None:
-        """The values of the multiplier's functions at the nodes, (ndof, ndof); None where they are the identity."""
+    @property
+    def neighbours(self) -> np.ndarray:
+        """(k, 2) int: the numbers of two nodes beside each other on a crack, each two once."""
+
+    @property
+    def functions(self) -> np.ndarray:
+        """(n, n): the coefficients of the nodal functions ψ_i, 1 at one node and 0 at the others, as columns."""
+
+    @property
+    def mass(self) -> np.ndarray:
+        """(n, n): ∫ψ_i ψ_j."""
+
+    def __len__(self) -> int: ...
+
+    def Values(self, function: "CoefficientFunction") -> np.ndarray:
+        """(n,): a scalar function at the nodes."""
+
+    def Place(self, i: int) -> str:
+        """Where the i-th node is, in words."""
 
 
 class Cone(Protocol):
     """A cone of multipliers, {L = T p, p ≤ 0}; the part of the condition that it leaves is p ≤ 0, Tᵀr ≤ 0, p·Tᵀr = 0."""
 
-    def Transformation(self, W: Any) -> np.ndarray:
-        """T, dense; W: the nodes."""
+    def Transformation(self, nodes: Nodes) -> np.ndarray:
+        """T, dense."""
 
-    def Values(self, W: Any, nodal: np.ndarray) -> np.ndarray:
+    def Values(self, nodes: Nodes, nodal: np.ndarray) -> np.ndarray:
         """The p of a function with the given nodal values."""
 
 

@@ -16,7 +16,7 @@ static CutDifferentialSymbol ForSpace (CutDifferentialSymbol dx, shared_ptr<ngco
 
 static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::optional<std::variant<Region, string>> definedon,
                                        int bonus_intorder, shared_ptr<ngcore::BitArray> definedonelements,
-                                       std::optional<size_t> crack, std::optional<CrackNodes> nodes, shared_ptr<ngcomp::FESpace> space)
+                                       std::optional<size_t> crack, std::optional<std::vector<std::vector<double>>> nodes, shared_ptr<ngcomp::FESpace> space)
 {
   CutDifferentialSymbol dx = ForSpace(self, space);
   dx.bonus_intorder = bonus_intorder;
@@ -27,7 +27,7 @@ static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::
         if (dx.definedonelements) both->And(*dx.definedonelements);
         dx.definedonelements = both;
       }
-  if (nodes) dx.measure.kind.nodes = *nodes;
+  if (nodes) dx.measure.kind.division = make_shared<ArcLengths>(*nodes);
   if (crack && dx.measure.kind.domain != Domain::Bulk) dx.measure.kind.crack = crack;
   if (definedon)
     {

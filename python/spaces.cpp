@@ -79,6 +79,27 @@ static void ExportCrackFESpace (py::module & m)
                                                                                 t[2].cast<double>(), t[3].cast<Flags>())); }));
 }
 
+static void ExportCurveNodes (py::module & m)
+{
+  auto array = [] (auto & v) { return py::array(v.size(), v.data()); };
+  auto pairs = [] (auto & v, auto first) { return py::array_t<decltype(first)>({ v.size(), size_t(2) }, reinterpret_cast<const decltype(first)*>(v.data())); };
+  py::class_<CurveNodes>(m, "CurveNodes", "Nodes on the cracks, crack by crack, in the order of arc length: one list of arc lengths, increasing, and one of weights for each.")
+    .def(py::init<const CurveNodes &>(), py::arg("nodes"))
+    .def(py::init([] (shared_ptr<CrackedMesh> body, const std::vector<std::vector<double>> & arclengths, const std::vector<std::vector<double>> & weights)
+                  {
+                    CurveNodes nodes(body);
+                    for (size_t c = 0; c < arclengths.size(); c++) nodes.Append(c, arclengths[c], weights.at(c));
+                    return nodes;
+                  }), py::arg("body"), py::arg("arclengths"), py::arg("weights"))
+    .def("__len__", [] (const CurveNodes & nodes) { return nodes.positions.size(); }, "The number of nodes.")
+    .def_readonly("body", &CurveNodes::body, "The CrackedMesh.")
+    .def_property_readonly("cracks", [=] (const CurveNodes & nodes) { return array(nodes.cracks); }, "Array (n,): of each node the number of its crack.")
+    .def_property_readonly("positions", [=] (const CurveNodes & nodes) { return pairs(nodes.positions, double()); }, "Array (n, 2): the points.")
+    .def_property_readonly("weights", [=] (const CurveNodes & nodes) { return array(nodes.weights); }, "Array (n,): ∫ψ_i, the length of the cracks that belongs to each node.")
+    .def_property_readonly("neighbours", [=] (const CurveNodes & nodes) { return pairs(nodes.neighbours, size_t()); }, "Array (k, 2): the numbers of two nodes beside each other on a crack.")
+    .def_property_readonly("arclengths", [=] (const CurveNodes & nodes) { return array(nodes.arclengths); }, "Array (n,): of each node the arc length on its crack.");
+}
+
 static shared_ptr<TraceSpace> MakeTraceSpace (shared_ptr<CrackedMesh> body, shared_ptr<TraceBasis> basis, int order)
 {
   Flags flags;
@@ -89,30 +110,31 @@ static shared_ptr<TraceSpace> MakeTraceSpace (shared_ptr<CrackedMesh> body, shar
 static void ExportTraceSpace (py::module & m)
 {
   py::class_<TraceSpace, shared_ptr<TraceSpace>, FESpace> space(m, "TraceSpace", "The space of multipliers on the cracks; ngsxfem_contact.TraceSpace builds it from a name.");
+  using Division = std::vector<std::vector<double>>;
   py::class_<TraceBasis, shared_ptr<TraceBasis>>(m, "TraceBasis", "The functions of a TraceSpace, and where they live.")
-    .def_property_readonly("nodes", &TraceBasis::Nodes, "Arc lengths of the nodes, one list for each crack.")
-    .def_property_readonly("ndof", &TraceBasis::NDof, "The number of functions.");
+    .def_property_readonly("division", [] (const TraceBasis & b) { return b.Division()->All(); }, "Arc lengths that divide each crack into intervals, from 0 to its length.")
+    .def_property_readonly("ndof", &TraceBasis::NDof, "The number of functions.")
+    .def("Nodes", &TraceBasis::Nodes, "The points of the Lagrange functions of this order on the intervals, as CurveNodes: of order 0 their middles.");
   py::class_<NodalTraceBasis, shared_ptr<NodalTraceBasis>, TraceBasis>(m, "NodalTraceBasis",
-      "Lagrange functions between nodes: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.\n"
-      "\nRaises\n------\nException\n    For nodes that do not increase from 0 to the length of each crack.")
-    .def(py::init([] (shared_ptr<CrackedMesh> body, int order, CrackNodes nodes) { return make_shared<NodalTraceBasis>(body, order, nodes); }),
-         py::arg("body"), py::arg("order"), py::arg("nodes"))
-    .def("DofPositions", &NodalTraceBasis::DofPositions, py::arg("crack"), "The arc length to which each function of a crack belongs.")
+      "Lagrange functions: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.\n"
+      "\nRaises\n------\nException\n    For a division that does not increase from 0 to the length of each crack.")
+    .def(py::init([] (shared_ptr<CrackedMesh> body, int order, Division division) { return make_shared<NodalTraceBasis>(body, order, division); }),
+         py::arg("body"), py::arg("order"), py::arg("division"))
     .def(py::pickle([] (const NodalTraceBasis & b) { return py::cast(b.Arguments()).cast<py::tuple>(); },
-                    [] (py::tuple t) { return make_shared<NodalTraceBasis>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<int>(), t[2].cast<CrackNodes>()); }));
+                    [] (py::tuple t) { return make_shared<NodalTraceBasis>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<int>(), t[2].cast<Division>()); }));
   py::class_<MeshTraceBasis, shared_ptr<MeshTraceBasis>, TraceBasis>(m, "MeshTraceBasis", "Restrictions to the cracks of the P_j functions of the mesh, but for those of the numbers left_out, on which the others must not depend.")
-    .def(py::init([] (shared_ptr<CrackedMesh> body, int order, CrackNodes nodes, const std::set<size_t> & left_out)
-                  { return make_shared<MeshTraceBasis>(body, order, nodes, left_out); }),
-         py::arg("body"), py::arg("order"), py::arg("nodes"), py::arg("left_out"))
-    .def(py::pickle([] (const MeshTraceBasis & b) { return py::cast(b.Arguments()).cast<py::tuple>(); },
-                    [] (py::tuple t) { return make_shared<MeshTraceBasis>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<int>(), t[2].cast<CrackNodes>(),
+    .def(py::init([] (shared_ptr<CrackedMesh> body, int order, Division division, const std::set<size_t> & left_out)
+                  { return make_shared<MeshTraceBasis>(body, order, division, left_out); }),
+         py::arg("body"), py::arg("order"), py::arg("division"), py::arg("left_out"))
+    .def(py::pickle([] (const MeshTraceBasis & b) { return py::cast(std::tuple_cat(b.Arguments(), std::tuple(b.LeftOut()))).cast<py::tuple>(); },
+                    [] (py::tuple t) { return make_shared<MeshTraceBasis>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<int>(), t[2].cast<Division>(),
                                                                           t[3].cast<std::set<size_t>>()); }));
   space
     .def(py::init(&MakeTraceSpace), py::arg("body"), py::arg("basis"), py::arg("order"))
     .def_property_readonly("body", &TraceSpace::GetBody, "The CrackedMesh.")
     .def_property_readonly("basis", &TraceSpace::Basis, "The TraceBasis.")
     .def_property_readonly("order", [] (const TraceSpace & w) { return w.GetOrder(); }, "The order of the functions.")
-    .def_property_readonly("dcrack", &TraceSpace::CrackSymbol, "The measure on the cracks, its rules divided at the nodes of this space.")
+    .def_property_readonly("dcrack", &TraceSpace::CrackSymbol, "The measure on the cracks, its rules divided where the intervals of this space end.")
     .def(py::pickle([] (const TraceSpace & w) { return py::make_tuple(w.GetBody(), w.Basis(), w.GetOrder()); },
                     [] (py::tuple t) { return MakeTraceSpace(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<shared_ptr<TraceBasis>>(), t[2].cast<int>()); }));
 }
@@ -135,5 +157,6 @@ void ExportSpaces (py::module & m)
   ExportTipSpec(m);
   ExportCrackFESpace(m);
   ExportCrackBilinearForm(m);
+  ExportCurveNodes(m);
   ExportTraceSpace(m);
 }

@@ -24,6 +24,7 @@ from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes, BothSides
 from ngsxfem_contact.errors import SolveError
 from ngsxfem_contact.files import UnreadableFile, only_one, write_whole
+from ngsxfem_contact.spaces.trace_space import TraceNodes
 
 from .paper import MATERIAL, PAIRS, REFERENCE, paper_problem, varied_mesh
 
@@ -75,7 +76,7 @@ class Reference:
             self.u, self.multiplier, self.active = pickle.loads(Path(path).read_bytes())
         except (pickle.UnpicklingError, EOFError, AttributeError, IndexError, ValueError) as error:
             raise UnreadableFile(f"{path} is no reference solution ({error}); delete it, it will be computed again") from None
-        self.nodes = np.array(self.multiplier.space.basis.nodes[0])
+        self.nodes = TraceNodes(self.multiplier.space)
         self.nodal_values = self.multiplier.vec.FV().NumPy().copy()
 
     def Displacement(self, x, y):
@@ -87,12 +88,12 @@ class Reference:
         """The reference as a ContactSolution."""
         problem = ContactProblem(self.u.space, self.multiplier.space, MATERIAL)
         report = Report((self.u.space.ndof, self.multiplier.space.ndof), converged=True, active=[self.active])
-        state = State(self.multiplier.space, self.nodal_values, np.zeros(0), np.zeros(0))
+        state = State(self.nodes, self.nodal_values, np.zeros(0), np.zeros(0))
         return ContactSolution(problem, self.u, [self.multiplier], report, None, state)
 
     def Pressure(self, s):
         """λ at arc lengths."""
-        return np.interp(s, self.nodes, self.nodal_values)
+        return np.interp(s, self.nodes.arclengths, self.nodal_values)
 
 
 class ErrorMeasure:

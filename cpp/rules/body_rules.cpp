@@ -12,6 +12,13 @@ namespace ngsxfem_contact
     index[element] = it->second;
   }
 
+  bool RuleKind :: operator< (const RuleKind & other) const
+  {
+    auto rest = [] (const RuleKind & kind) { return std::tuple(kind.domain, kind.crack, bool(kind.division)); };
+    if (rest(*this) != rest(other) || !division) return rest(*this) < rest(other);
+    return division->Compare(*other.division) < 0;
+  }
+
   TipDemands Merged (TipDemands a, const TipDemands & b)
   {
     for (auto & [tip, demand] : b)
@@ -170,7 +177,7 @@ namespace ngsxfem_contact
         return table;
       }
 
-      void AppendCrack (const ElementLocation & location, const Crack & crack, const std::vector<double> & nodes, PointRule & rule) const
+      void AppendCrack (const ElementLocation & location, const Crack & crack, const std::vector<double> & division, PointRule & rule) const
       {
         auto near = TipsNear(location.triangle);
         double tolerance = geometric_tolerance*location.h;
@@ -178,7 +185,7 @@ namespace ngsxfem_contact
           {
             std::vector<double> cuts { chord.s0, chord.s1 };
             auto cut = [&] (double s) { if (s > chord.s0+tolerance && s < chord.s1-tolerance) cuts.push_back(s); };
-            for (auto s = std::ranges::lower_bound(nodes, chord.s0); s != nodes.end() && *s < chord.s1; ++s) cut(*s);
+            for (auto s = std::ranges::lower_bound(division, chord.s0); s != division.end() && *s < chord.s1; ++s) cut(*s);
             if (near.size() > 1) cut(0.5*crack.Length());      // a crack inside one element: a tip at either end
             std::sort(cuts.begin(), cuts.end());
             for (size_t i = 0; i+1 < cuts.size(); i++)
@@ -195,8 +202,8 @@ namespace ngsxfem_contact
       shared_ptr<RuleTable> CrackTable () const
       {
         auto table = make_shared<RuleTable>(mesh.GetNE(VOL));
-        auto nodes = kind.nodes;
-        for (auto & some : nodes) std::ranges::sort(some);
+        ArcLengths none({});
+        auto & division = kind.division ? dynamic_cast<const ArcLengths&>(*kind.division) : none;
         for (auto & [element, cut] : body.CutElements())
           {
             ElementMap map(mesh, element);
@@ -204,7 +211,7 @@ namespace ngsxfem_contact
             PointRule points;
             for (auto & here : cut.cracks)
               if (!kind.crack || *kind.crack == here.crack)
-                maker.AppendCrack(*here.location, body.GetCrack(here.crack), here.crack < nodes.size() ? nodes[here.crack] : std::vector<double>(), points);
+                maker.AppendCrack(*here.location, body.GetCrack(here.crack), division.On(here.crack), points);
             table->Add(element, MakeRule(points, [&] (Point x, double weight) { return map.PhysicalInReference(x, weight); }));
           }
         return table;

@@ -2,6 +2,7 @@
 // The integration rules of a body: which elements need one of their own, and which rule that is.
 
 #include "cut/cracked_mesh.hpp"
+#include "rules/crack_division.hpp"
 #include "rules/curved_rule.hpp"
 #include <mutex>
 
@@ -10,17 +11,14 @@ namespace ngsxfem_contact
   /// What a measure integrates over: Ω∖Γ_C (and ∂Ω), the larger part of each element that a crack divides, or Γ_C.
   enum class Domain { Bulk, Larger, Crack };
 
-  /// Arc lengths of points on each crack.
-  using CrackNodes = std::vector<std::vector<double>>;
-
-  /// Which rules an integral needs. nodes: where those on Γ_C are divided, beside the mesh edges and kinks. crack: on Γ_C and
-  /// on the larger parts of one crack only.
+  /// Which rules an integral needs. division: of those on Γ_C, if there is one. crack: on Γ_C and on the larger parts of one
+  /// crack only.
   struct RuleKind
   {
     Domain domain = Domain::Bulk;
-    CrackNodes nodes;
+    shared_ptr<const CrackDivision> division;
     std::optional<size_t> crack;
-    auto operator<=> (const RuleKind &) const = default;
+    bool operator< (const RuleKind & other) const;
   };
 
   /// A rule in reference coordinates: weights times the element's measure give physical lengths and areas.

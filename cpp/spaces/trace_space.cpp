@@ -30,41 +30,22 @@ namespace ngsxfem_contact
 
   namespace
   {
-    /// Gauss-Lobatto points on [0, 1]: the ends and the zeros of P'_n, by Newton's method.
-    std::vector<double> LobattoPoints (int n)
-    {
-      std::vector<double> points(n+1);
-      for (int i = 0; i <= n; i++)
-        {
-          double x = -cos(M_PI*i/n);
-          for (int it = 0; it < 50 && i > 0 && i < n; it++)
-            {
-              double p0 = 1, p1 = x;
-              for (int k = 2; k <= n; k++) { double p2 = ((2*k-1)*x*p1 - (k-1)*p0)/k; p0 = p1; p1 = p2; }
-              double dp = n*(x*p1-p0)/(x*x-1), ddp = (2*x*dp - n*(n+1)*p1)/(1-x*x);
-              x -= dp/ddp;
-            }
-          points[i] = 0.5*(1+x);
-        }
-      return points;
-    }
-
     class NodalTraceElement : public TraceElement
     {
       const Crack & crack;
-      FlatArray<const double> nodes;            // of the element's intervals
+      FlatArray<const double> division;         // into the element's intervals
       FlatArray<const double> lobatto;
     public:
-      NodalTraceElement (const Crack & acrack, FlatArray<const double> anodes, FlatArray<const double> alobatto, int aorder)
-        : TraceElement(aorder ? (anodes.Size()-1)*aorder+1 : anodes.Size()-1, aorder), crack(acrack), nodes(anodes), lobatto(alobatto) { }
+      NodalTraceElement (const Crack & acrack, FlatArray<const double> adivision, FlatArray<const double> alobatto, int aorder)
+        : TraceElement(aorder ? (adivision.Size()-1)*aorder+1 : adivision.Size()-1, aorder), crack(acrack), division(adivision), lobatto(alobatto) { }
 
       void CalcShape (const IntegrationPoint &, Point x, BareSliceVector<> shape) const override
       {
         double s = crack.ArcLength(crack.Nearest(x));
-        size_t i = std::lower_bound(&nodes[1], &nodes[nodes.Size()-1], s) - &nodes[1];
+        size_t i = std::lower_bound(&division[1], &division[division.Size()-1], s) - &division[1];
         shape.Range(0, ndof) = 0;
         if (order == 0) { shape(i) = 1; return; }
-        double t = (s-nodes[i])/(nodes[i+1]-nodes[i]);
+        double t = (s-division[i])/(division[i+1]-division[i]);
         for (int l = 0; l <= order; l++)
           {
             double value = 1;
@@ -161,37 +142,56 @@ namespace ngsxfem_contact
     };
   }
 
-  NodalTraceBasis :: NodalTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, CrackNodes anodes)
-    : body(abody), order(aorder), nodes(std::move(anodes)), lobatto(order ? LobattoPoints(order) : std::vector<double>())
+  TraceBasis :: TraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision) : body(abody), order(aorder)
   {
     if (order < 0) throw Exception("TraceSpace: order=" + ngcore::ToString(order) + " must be 0 or more");
-    if (nodes.size() != body->NumCracks())
-      throw Exception("TraceSpace: nodes for " + ngcore::ToString(nodes.size()) + " cracks, but the body has " + ngcore::ToString(body->NumCracks()));
-    first.push_back(0);
-    for (size_t c = 0; c < nodes.size(); c++)
+    if (adivision.size() != body->NumCracks())
+      throw Exception("TraceSpace: nodes for " + ngcore::ToString(adivision.size()) + " cracks, but the body has " + ngcore::ToString(body->NumCracks()));
+    for (size_t c = 0; c < adivision.size(); c++)
       {
+        auto & s = adivision[c];
         double length = body->GetCrack(c).Length();
-        bool increasing = nodes[c].size() > 1 && std::abs(nodes[c].front()) <= 1e-10*length && std::abs(nodes[c].back()-length) <= 1e-10*length;
-        for (size_t i = 0; i+1 < nodes[c].size(); i++) increasing = increasing && nodes[c][i] < nodes[c][i+1];
+        bool increasing = s.size() > 1 && std::abs(s.front()) <= 1e-10*length && std::abs(s.back()-length) <= 1e-10*length;
+        for (size_t i = 0; i+1 < s.size(); i++) increasing = increasing && s[i] < s[i+1];
         if (!increasing)
           throw Exception("TraceSpace: the nodes on crack " + ngcore::ToString(c) + " must be arc lengths that increase from 0 to its length " + ngcore::ToString(length));
-        size_t intervals = nodes[c].size()-1;
-        first.push_back(first.back() + (order ? intervals*order+1 : intervals));
+      }
+    division = make_shared<ArcLengths>(std::move(adivision));
+    if (order == 0) return;
+    ngfem::ComputeGaussLobattoRule(order+1, lobatto, weights);
+    std::ranges::sort(lobatto);                         // inner points come in falling order
+    Array<double> legendre(order+1);
+    for (int l = 0; l <= order; l++)                    // weights come with errors of 1e-11
+      {
+        ngfem::LegendrePolynomial(order, 2*lobatto[l]-1, legendre);
+        weights[l] = 1 / (order*(order+1)*sqr(legendre[order]));
       }
   }
 
-  std::vector<double> NodalTraceBasis :: DofPositions (size_t c) const
+  CurveNodes TraceBasis :: Nodes () const
   {
-    body->GetCrack(c);                    // throws if there is none
-    std::vector<double> positions;
-    for (size_t i = 0; i+1 < nodes[c].size(); i++)
-      if (order == 0)
-        positions.push_back(0.5*(nodes[c][i]+nodes[c][i+1]));
-      else
-        for (int l = 0; l < order; l++)
-          positions.push_back(nodes[c][i] + lobatto[l]*(nodes[c][i+1]-nodes[c][i]));
-    if (order) positions.push_back(nodes[c].back());
-    return positions;
+    CurveNodes nodes(body);
+    for (size_t c = 0; c < body->NumCracks(); c++)
+      {
+        std::vector<double> s, length;
+        auto ends = division->On(c);
+        for (size_t i = 0; i+1 < ends.size(); i++)
+          {
+            double h = ends[i+1]-ends[i];
+            if (order == 0) { s.push_back(0.5*(ends[i]+ends[i+1])); length.push_back(h); continue; }
+            for (int l = 0; l < order; l++) { s.push_back(ends[i] + lobatto[l]*h); length.push_back(weights[l]*h); }
+            if (i > 0) length[i*order] += weights[order]*(ends[i]-ends[i-1]);
+          }
+        if (order) { s.push_back(ends.back()); length.push_back(weights[order]*(ends.back()-ends.end()[-2])); }
+        nodes.Append(c, s, length);
+      }
+    return nodes;
+  }
+
+  NodalTraceBasis :: NodalTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision)
+    : TraceBasis(abody, aorder, std::move(adivision)), first { 0 }
+  {
+    for (auto & ends : division->All()) first.push_back(first.back() + (order ? (ends.size()-1)*order+1 : ends.size()-1));
   }
 
   /// Intervals are longer than 4 tolerances (MeshNodes), chords longer than one; an end of a chord lies on a node or less than
@@ -199,7 +199,7 @@ namespace ngsxfem_contact
   std::pair<size_t,size_t> NodalTraceBasis :: Intervals (const ElementCrack & here) const
   {
     double tolerance = body->Location(here.crack).Tolerance();
-    auto & s = nodes[here.crack];
+    auto & s = division->All()[here.crack];
     size_t lo = std::upper_bound(s.begin(), s.end(), here.location->S0()+0.5*tolerance) - s.begin() - 1;
     size_t hi = std::lower_bound(s.begin(), s.end(), here.location->S1()-4.001*tolerance) - s.begin();
     lo = std::min(lo, s.size()-2);
@@ -221,13 +221,13 @@ namespace ngsxfem_contact
     return MakeElement(*body, element, alloc, [&] (const ElementCrack & here) -> TraceElement &
     {
       auto [lo, hi] = Intervals(here);
-      return *new (alloc) NodalTraceElement (body->Cracks()[here.crack], FlatArray<const double>(hi-lo+1, nodes[here.crack].data()+lo),
-                                             FlatArray<const double>(lobatto.size(), lobatto.data()), order);
+      return *new (alloc) NodalTraceElement (body->Cracks()[here.crack], FlatArray<const double>(hi-lo+1, division->All()[here.crack].data()+lo),
+                                             FlatArray<const double>(lobatto.Size(), lobatto.Data()), order);
     });
   }
 
-  MeshTraceBasis :: MeshTraceBasis (shared_ptr<CrackedMesh> abody, int order, CrackNodes anodes, std::set<size_t> aleft_out)
-    : body(abody), left_out(std::move(aleft_out)), nodes(std::move(anodes))
+  MeshTraceBasis :: MeshTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision, std::set<size_t> aleft_out)
+    : TraceBasis(abody, aorder, std::move(adivision)), left_out(std::move(aleft_out))
   {
     Flags flags;
     flags.SetFlag("order", order);
@@ -282,7 +282,7 @@ namespace ngsxfem_contact
 
   CutDifferentialSymbol TraceSpace :: CrackSymbol () const
   {
-    CutDifferentialSymbol dcrack(Measure { body, { Domain::Crack, basis->Nodes(), std::nullopt } }, VOL);
+    CutDifferentialSymbol dcrack(Measure { body, { Domain::Crack, basis->Division(), std::nullopt } }, VOL);
     dcrack.definedonelements = body->CrackElements();
     return dcrack;
   }

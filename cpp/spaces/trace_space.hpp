@@ -3,6 +3,7 @@
 // of mesh functions.
 
 #include "forms/cut_integral.hpp"
+#include "spaces/curve_nodes.hpp"
 
 namespace ngsxfem_contact
 {
@@ -23,32 +24,33 @@ namespace ngsxfem_contact
   /// The functions of W_h and where they live.
   class TraceBasis
   {
+  protected:
+    shared_ptr<CrackedMesh> body;
+    int order;
+    shared_ptr<const ArcLengths> division;
+    Array<double> lobatto, weights;       // the rule on [0,1] whose points are those of the Lagrange functions; order ≥ 1
   public:
+    /// adivision: where intervals of the cracks end, arc lengths from 0 to the length of each. Throws for others, and for an order below 0.
+    TraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision);
     virtual ~TraceBasis () = default;
     virtual size_t NDof () const = 0;
     virtual void GetDofNrs (size_t element, Array<DofId> & dnums) const = 0;
     virtual FiniteElement & GetFE (size_t element, ngcore::Allocator & alloc) const = 0;
-    /// Where nodal signs are taken, for each crack.
-    virtual const CrackNodes & Nodes () const = 0;
+    shared_ptr<const ArcLengths> Division () const { return division; }
+    /// The points of the Lagrange functions of this order on the intervals, and their integrals; of order 0 the middles of the intervals.
+    CurveNodes Nodes () const;
+    auto Arguments () const { return std::tuple(body, order, division->All()); }
   };
 
   /// Lagrange functions: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.
   class NodalTraceBasis : public TraceBasis
   {
-    shared_ptr<CrackedMesh> body;
-    int order;
-    CrackNodes nodes;
-    std::vector<double> lobatto;
     std::vector<size_t> first;            // dof of each crack
   public:
-    NodalTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, CrackNodes anodes);
+    NodalTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision);
     size_t NDof () const override { return first.back(); }
     void GetDofNrs (size_t element, Array<DofId> & dnums) const override;
     FiniteElement & GetFE (size_t element, ngcore::Allocator & alloc) const override;
-    const CrackNodes & Nodes () const override { return nodes; }
-    /// The arc length of the point that each function of one crack belongs to.
-    std::vector<double> DofPositions (size_t crack) const;
-    auto Arguments () const { return std::tuple(body, order, nodes); }
   private:
     /// First and last (excluded) interval of a crack that meets the element.
     std::pair<size_t,size_t> Intervals (const ElementCrack & here) const;
@@ -57,20 +59,17 @@ namespace ngsxfem_contact
   /// Restrictions to each crack of the P_j functions of the mesh, j ≥ 1; linearly dependent unless some are left out.
   class MeshTraceBasis : public TraceBasis
   {
-    shared_ptr<CrackedMesh> body;
     std::set<size_t> left_out;
     shared_ptr<ngcomp::FESpace> scalar;
-    CrackNodes nodes;
     std::vector<std::vector<int>> number; // on each crack of each mesh function; -1: not used
     size_t ndof = 0;
   public:
     /// left_out: in the numbering of a basis with nothing left out.
-    MeshTraceBasis (shared_ptr<CrackedMesh> abody, int order, CrackNodes anodes, std::set<size_t> aleft_out);
+    MeshTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision, std::set<size_t> aleft_out);
     size_t NDof () const override { return ndof; }
     void GetDofNrs (size_t element, Array<DofId> & dnums) const override;
     FiniteElement & GetFE (size_t element, ngcore::Allocator & alloc) const override;
-    const CrackNodes & Nodes () const override { return nodes; }
-    auto Arguments () const { return std::tuple(body, scalar->GetOrder(), nodes, left_out); }
+    const std::set<size_t> & LeftOut () const { return left_out; }
   };
 
   class TraceSpace : public ngcomp::FESpace

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from ..errors import NotConverged
 from .box_path import AT_UPPER, INSIDE, follow_path
@@ -69,20 +70,33 @@ def solve_active_set(Q: np.ndarray, q: np.ndarray, start: np.ndarray | None = No
     )
 
 
-def coarse_start(Q: np.ndarray, q: np.ndarray, smallest: float = 4) -> tuple[np.ndarray, int]:
+def coarse_start(Q: np.ndarray, q: np.ndarray, neighbours: np.ndarray | None = None, smallest: float = 4) -> tuple[np.ndarray, int]:
     """A first active set from coarser problems, and the number of iterations on them.
 
-    Two neighbours share one unknown, p = P p_c, which keeps p ≤ 0: solve with PᵀQP, Pᵀq, itself started from half as many
-    unknowns. The problem's unknowns must follow the crack, neighbours beside each other.
+    neighbours: pairs (k, 2) of unknowns beside each other; default each and the next.
+    Two neighbours share one unknown, p = P p_c, which keeps p ≤ 0: solve with PᵀQP, Pᵀq, itself started from half as many unknowns.
     """
     m = len(q)
-    if m <= smallest:
+    if neighbours is None:
+        neighbours = np.column_stack([np.arange(m - 1), np.arange(1, m)])
+    if m <= smallest or len(neighbours) == 0:
         return np.zeros(m, dtype=bool), 0
-    pairs = np.arange(0, m, 2)
-    Qc, qc = np.add.reduceat(np.add.reduceat(Q, pairs, axis=0), pairs, axis=1), np.add.reduceat(q, pairs)
-    start, iterations = coarse_start(Qc, qc, smallest)
+    shared = pairing(m, neighbours)
+    P = scipy.sparse.csr_matrix((np.ones(m), shared, np.arange(m + 1)))
+    between = shared[neighbours]
+    Qc, qc = P.T @ Q @ P, P.T @ q
+    start, iterations = coarse_start(Qc, qc, between[between[:, 0] != between[:, 1]], smallest)
     result = solve_active_set(Qc, qc, start=start)
-    return np.repeat(result.active[-1], 2)[:m], iterations + result.iterations
+    return result.active[-1][shared], iterations + result.iterations
+
+
+def pairing(m: int, neighbours: np.ndarray) -> np.ndarray:
+    """Of each of m unknowns the number of the pair that it belongs to; one whose neighbours are all taken is alone."""
+    first, taken = np.arange(m), np.zeros(m, dtype=bool)
+    for i, j in neighbours:
+        if not taken[i] and not taken[j]:
+            first[j], taken[[i, j]] = i, True
+    return np.unique(first, return_inverse=True)[1]
 
 
 def solve_equalities(Q: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -32,7 +32,7 @@ logger = logging.getLogger(__name__)
 
 def check_gap(system: ContactSystem) -> None:
     """Raises ValueError for an initial gap that is not finite, or negative somewhere."""
-    gap = system.G[: system.nodes.ndof]
+    gap = system.G[: len(system.nodes)]
     if not np.isfinite(gap).all():
         raise ValueError("the initial gap is not finite (NaN or inf): check `gap` on the whole crack")
     if (gap < -1e-12 * np.abs(gap).max()).any():

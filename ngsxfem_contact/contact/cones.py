@@ -7,12 +7,11 @@ p·Tᵀr = 0 for each component, which one active-set method solves for all cone
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..protocols import Cone
-from ..spaces.trace_space import mass_matrix
 
 if TYPE_CHECKING:
     from ..protocols import Nodes
@@ -22,12 +21,11 @@ if TYPE_CHECKING:
 class Nonpositive:
     """M₀⁻ (9) and M₁⁻ (10): λ ≤ 0 at every node."""
 
-    def Transformation(self, W: Nodes) -> np.ndarray:
+    def Transformation(self, nodes: Nodes) -> np.ndarray:
         """T, dense; p are the nodal values."""
-        values = W.NodalValues()
-        return np.eye(W.ndof) if values is None else np.linalg.inv(values)
+        return nodes.functions
 
-    def Values(self, W: Nodes, nodal: np.ndarray) -> np.ndarray:
+    def Values(self, nodes: Nodes, nodal: np.ndarray) -> np.ndarray:
         """The p of a function with the given nodal values."""
         return nodal
 
@@ -36,19 +34,13 @@ class Nonpositive:
 class Weak:
     """M₁*⁻ (11): ∫λψ ≥ 0 for all ψ in M₁⁻, that is p = ∫λψ_i ≤ 0 for the nodal functions ψ_i."""
 
-    def Transformation(self, W: Any) -> np.ndarray:
-        """T = M⁻¹ for nodal functions; with N their values at the nodes, (N⁻ᵀM)⁻¹ for others."""
-        values = W.NodalValues()
-        mass = mass_matrix(W).toarray()
-        if values is not None:
-            mass = np.linalg.solve(values.T, mass)
-        return np.linalg.inv(mass)
+    def Transformation(self, nodes: Nodes) -> np.ndarray:
+        """T: from moments to nodal values, from these to coefficients."""
+        return nodes.functions @ np.linalg.inv(nodes.mass)
 
-    def Values(self, W: Any, nodal: np.ndarray) -> np.ndarray:
+    def Values(self, nodes: Nodes, nodal: np.ndarray) -> np.ndarray:
         """The p of a function with the given nodal values: its moments ∫ f ψ_i."""
-        values = W.NodalValues()
-        coefficients = nodal if values is None else np.linalg.solve(values, nodal)
-        return np.linalg.solve(self.Transformation(W), coefficients)
+        return nodes.mass @ nodal
 
 
 CONES: dict[str, Cone] = {"nonpositive": Nonpositive(), "weak": Weak()}

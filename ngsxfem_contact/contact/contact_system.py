@@ -12,6 +12,7 @@ from ngsolve import BilinearForm, GridFunction, LinearForm, Parameter
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import assembled, mask
 from ..spaces.incompressible import add_stress_power
+from ..spaces.trace_space import TraceNodes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,9 +48,7 @@ class ContactSystem:
     gamma
         γ or None.
     nodes
-        Where the signs are taken, W or what stands for it.
-    weights
-        ∫ψ_i, the length of Γ_C that belongs to each multiplier.
+        The Nodes where the signs are taken.
     traction
         The ComparedTraction, R_h.
 
@@ -70,10 +69,10 @@ class ContactSystem:
         self._assemble(problem)
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
         self.G = np.zeros(self.E.shape[0])
-        self.G[: self.nodes.ndof] = self.InitialGap(problem)
+        self.G[: len(self.nodes)] = self.InitialGap(problem)
 
     def _assemble(self, problem: ContactProblem) -> None:
-        """nodes, stiffness, E, D, weights."""
+        """nodes, stiffness, E, D."""
         V, W = problem.V, problem.W
         u, v = V.TnT()
         lam, mu = W.TnT()
@@ -82,10 +81,9 @@ class ContactSystem:
         if self.gamma is not None:
             stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
             mass = assembled(BilinearForm(self.gamma * lam * mu * self.dcrack), self.numbers)
-        self.nodes, self.stiffness = W, stiffness.Assemble().mat
+        self.nodes, self.stiffness = TraceNodes(W), stiffness.Assemble().mat
         self.E = scipy.sparse.vstack([self._coupling(problem, component) for component in self.components], format="csr")
         self.D = scipy.sparse.block_diag([mass] * len(self.components), format="csr")
-        self.weights = np.tile(LinearForm(mu * self.dcrack).Assemble().vec.FV().NumPy(), len(self.components))
 
     def _coupling(self, problem: ContactProblem, component: Component) -> csr_matrix:
         """The rows of B - C_γ of one component."""
@@ -102,8 +100,8 @@ class ContactSystem:
 
     def InitialGap(self, problem: ContactProblem) -> np.ndarray:
         """∫ψ_i g_0."""
-        if isinstance(problem.gap, Parameter):
-            return problem.gap.Get() * self.weights[: problem.W.ndof]
+        if isinstance(problem.gap, Parameter) and problem.gap.Get() == 0:
+            return np.zeros(problem.W.ndof)
         mu = problem.W.TestFunction()
         return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
 

@@ -19,7 +19,6 @@ from ..algebra.active_set import solve_active_set
 from ..algebra.nodal_newton import FixedPoint, FullNewton, Threshold, first_states, uniqueness_number, violation
 from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
-from ..points import crack_points
 
 if TYPE_CHECKING:
     from ..material import Coefficient
@@ -34,17 +33,17 @@ class Frictionless:
     components = (NORMAL,)
     depends_on_path = False
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, W: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
+    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
         """p; books its iterations in the report."""
         result = solve_active_set(Q, q, start, max_iterations)
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
         return result.p
 
-    def Work(self, p: np.ndarray, w: np.ndarray, W: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
+    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
         """Nothing is dissipated."""
         return 0.0, 0.0
 
-    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, W: Nodes, cone: Cone) -> float:
+    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Nodes, cone: Cone) -> float:
         """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, for p and w divided by their scales."""
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
 
@@ -57,7 +56,7 @@ class Friction(ABC):
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, W: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
+    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
         """p = (p_n, p_t); books its iterations in the report.
 
         Parameters
@@ -65,7 +64,7 @@ class Friction(ABC):
         start
             Nodes in contact at first.
         """
-        threshold = self.Threshold(W, cone)
+        threshold = self.Threshold(nodes, cone)
         contact = np.array(start, dtype=bool)
         if contact.shape != (len(q) // 2,):
             raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs; give one boolean for each, or a ContactSolution")
@@ -77,7 +76,7 @@ class Friction(ABC):
         report.uniqueness = self.Uniqueness(Q, threshold)
         return result.p
 
-    def Work(self, p: np.ndarray, w: np.ndarray, W: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
+    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
         """(∫λ_t Δg_t of a step, how far it may be off).    w: minus the weighted gaps and slips.    before: p of the last step, or None.
 
         Parameters
@@ -92,7 +91,7 @@ class Friction(ABC):
         What slips does so at |λ_t| = s. While s changes, the trapezoidal rule takes the mean of s before and after; without a step before
         the end-point rule takes s after. The error is the difference of the two, s = 0 before a first step where it depends on the pressure.
         """
-        (p_n, p_t), w_t, threshold = np.split(p, 2), np.split(w, 2)[1], self.Threshold(W, cone)
+        (p_n, p_t), w_t, threshold = np.split(p, 2), np.split(w, 2)[1], self.Threshold(nodes, cone)
         p_before = np.zeros_like(p_n) if before is None else np.split(before, 2)[0]
         s, s_before = threshold.At(p_n, p_n < 0), threshold.At(p_before, p_n < 0 if before is None else p_before < 0)
         end = -p_t * w_t
@@ -100,16 +99,16 @@ class Friction(ABC):
         return float(end.sum() + (0 if before is None else change.sum())), float(np.abs(change).sum())
 
     @abstractmethod
-    def Threshold(self, W: Nodes, cone: Cone) -> nodal_newton.Threshold:
-        """The `nodal_newton.Threshold` of the tangential multiplier at the nodes of W."""
+    def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
+        """The `nodal_newton.Threshold` of the tangential multiplier at the nodes."""
 
     @abstractmethod
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
         """A number below 1 proves that there is one solution; None: not known."""
 
-    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, W: Nodes, cone: Cone) -> float:
+    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Nodes, cone: Cone) -> float:
         """The largest violation of the nodal conditions, for p and w divided by their scales."""
-        return violation(p, w, self.Threshold(W, cone).Scaled(scale))
+        return violation(p, w, self.Threshold(nodes, cone).Scaled(scale))
 
 
 @dataclass(frozen=True)
@@ -137,13 +136,13 @@ class Tresca(Friction):
     def __post_init__(self) -> None:
         check_threshold(self.s, "Tresca: s")
 
-    def Threshold(self, W: Nodes, cone: Cone) -> nodal_newton.Threshold:
+    def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
         """s at the nodes, or ∫sψ_i for the weak cone.
 
         Parameters
         ----------
-        W : TraceSpace
-            Or what stands for it.
+        nodes : Nodes
+            Of the multiplier.
         cone : Nonpositive or Weak
             What the signs refer to.
 
@@ -151,7 +150,7 @@ class Tresca(Friction):
         -------
         Threshold
         """
-        return Threshold(cone.Values(W, checked_values(W, self.s, "Tresca: s")), np.zeros(W.ndof), self.in_contact_only)
+        return Threshold(cone.Values(nodes, checked_values(nodes, self.s, "Tresca: s")), np.zeros(len(nodes)), self.in_contact_only)
 
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
         """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise.
@@ -201,13 +200,13 @@ class Coulomb(Friction):
         if not hasattr(self.method, "Solve") or isinstance(self.method, type):
             raise TypeError(f"Coulomb: method={self.method!r} is neither FullNewton() nor FixedPoint()")
 
-    def Threshold(self, W: Nodes, cone: Cone) -> nodal_newton.Threshold:
+    def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
         """s = μ_f |p_n| at the nodes.
 
         Parameters
         ----------
-        W : TraceSpace
-            Or what stands for it.
+        nodes : Nodes
+            Of the multiplier.
         cone : Nonpositive or Weak
             What the signs refer to.
 
@@ -215,7 +214,7 @@ class Coulomb(Friction):
         -------
         Threshold
         """
-        return Threshold(np.zeros(W.ndof), checked_values(W, self.mu_f, "Coulomb: mu_f"))
+        return Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f"))
 
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float:
         """See nodal_newton.uniqueness_number.
@@ -242,19 +241,17 @@ def check_threshold(value: Coefficient, name: str) -> None:
         check_number(value, name, lambda number: 0 <= number < INFINITY, "be a finite number >= 0")
 
 
-def checked_values(W: Nodes, function: Coefficient, name: str) -> np.ndarray:
-    """Values at the multiplier's nodes, (W.ndof,); raises ValueError for values that are negative or not finite."""
+def checked_values(nodes: Nodes, function: Coefficient, name: str) -> np.ndarray:
+    """Values at the multiplier's nodes, (len(nodes),); raises ValueError for values that are negative or not finite."""
     if not isinstance(function, CoefficientFunction):
-        return np.full(W.ndof, float(function))
-    positions = W.NodalPositions()
-    values = np.concatenate([function(crack_points(W.body, c, s)).ravel() for c, s in enumerate(positions)])
+        return np.full(len(nodes), float(function))
+    values = nodes.Values(function)
     wrong = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
     if len(wrong):
-        s = np.concatenate(positions)[wrong[0]]
-        raise ValueError(f"{name} is {values[wrong[0]]} at arc length {s:.6g} of a crack: it must be finite and >= 0 on the whole crack")
+        raise ValueError(f"{name} is {values[wrong[0]]} at {nodes.Place(int(wrong[0]))}: it must be finite and >= 0 on the whole crack")
     return values
 
 
-def transformation(friction: FaceLaw, cone: Cone, W: Nodes) -> np.ndarray:
+def transformation(friction: FaceLaw, cone: Cone, nodes: Nodes) -> np.ndarray:
     """L = T p for all components of the multiplier."""
-    return scipy.linalg.block_diag(*[cone.Transformation(W)] * len(friction.components))
+    return scipy.linalg.block_diag(*[cone.Transformation(nodes)] * len(friction.components))

@@ -25,8 +25,8 @@ from ..algebra.matrices import add_to
 from ..arguments import check_number, check_positive, check_whole
 from ..loads.terms import unit_limits
 from ..operators import NORMAL
-from ..points import crack_points
 from ..spaces.incompressible import is_projected
+from ..spaces.nodes import CurveNodes
 from ..spaces.trace_space import mass_matrix
 from .cones import Nonpositive
 from .contact_system import ContactSystem, stiffness_form
@@ -165,41 +165,15 @@ class WholeTraction(BarbosaHughes):
         return material
 
 
-class CrackPoints:
-    """Gauss points between the points where the cracks meet mesh edges, in √r around a tip; in place of a space of multipliers.
-
-    Attributes
-    ----------
-    ndof
-        Their number.
-    weights
-        (ndof,).
-    points
-        For NGSolve's functions.
-    """
+class CrackPoints(CurveNodes):
+    """Gauss points between the points where the cracks meet mesh edges, in √r around a tip; in place of the nodes of a multiplier."""
 
     def __init__(self, body: CrackedMesh, number: int) -> None:
         rules = [rule(body.MeshNodes(c, True), [tip.s for tip in body.tips if tip.crack == c], number) for c in range(len(body.cracks))]
-        self.body, self.positions = body, [s for s, _ in rules]
-        self.weights = np.concatenate([w for _, w in rules])
-        self.ndof = len(self.weights)
-        points = [crack_points(body, c, s) for c, s in enumerate(self.positions)]
-        self.points = np.concatenate(points).astype(points[0].dtype)  # concatenate drops the padding of NGSolve's mesh points
-
-    def NodalPositions(self) -> list[np.ndarray]:
-        """For each crack the arc lengths."""
-        return self.positions
-
-    def NodalValues(self) -> None:
-        """None: values are coefficients."""
-        return None
-
-    def Values(self, function: CoefficientFunction) -> np.ndarray:
-        """Of a scalar CoefficientFunction, (ndof,)."""
-        return function(self.points).ravel()
+        super().__init__(body, *zip(*rules))
 
     def Rows(self, V: CrackFESpace, operator: str) -> list[csr_matrix]:
-        """The values of an operator of V at the points: for each of its components a sparse matrix (ndof, V.ndof)."""
+        """The values of an operator of V at the points: for each of its components a sparse matrix (n, V.ndof)."""
         evaluator = V.TrialFunction().Operator(operator).__diffop__()
         blocks, columns = [], []
         for point in self.points:
@@ -208,7 +182,7 @@ class CrackPoints:
             columns.append(np.array(V.GetDofNrs(element)))
         pointers = np.concatenate([[0], np.cumsum([len(c) for c in columns])])
         return [
-            scipy.sparse.csr_matrix((np.concatenate([b[i] for b in blocks]), np.concatenate(columns), pointers), shape=(self.ndof, V.ndof))
+            scipy.sparse.csr_matrix((np.concatenate([b[i] for b in blocks]), np.concatenate(columns), pointers), shape=(len(self), V.ndof))
             for i in range(len(blocks[0]))
         ]
 
@@ -270,7 +244,6 @@ class NitscheSystem(ContactSystem):
         self.R = scipy.sparse.vstack(weighted, format="csr")
         self.E = scipy.sparse.vstack([scipy.sparse.diags(-omega) @ g + R for g, R in zip(jumps, weighted)], format="csr")
         self.D = scipy.sparse.block_diag([scipy.sparse.diags(omega * gamma)] * len(components), format="csr")
-        self.weights = np.tile(omega, len(components))
         self.stiffness = stiffness_form(problem).Assemble().mat
         add_to(self.stiffness, -self.theta * (self.R.T @ scipy.sparse.diags(1 / self.D.diagonal()) @ self.R))
 

@@ -72,7 +72,7 @@ class State:
     Attributes
     ----------
     nodes
-        W, or what stands for it.
+        The Nodes of the multipliers.
     L
         The multipliers there.
     moments
@@ -400,17 +400,15 @@ class ContactSolution:
         -------
         (n,) array
         """
-        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(self.state.nodes.ndof)
+        tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(len(self.state.nodes))
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
     def _changes(self, states: np.ndarray, crack: int, where: Callable[..., Any] = lambda a, b: True) -> np.ndarray:
-        positions = self.state.nodes.NodalPositions()
-        check_item(crack, positions, "crack", "body.cracks")
-        first = sum(len(p) for p in positions[:crack])
-        a, b = (states[first : first + len(positions[crack])][part] for part in (slice(None, -1), slice(1, None)))
-        changes = np.flatnonzero((a != b) & where(a, b))
-        s = np.array(positions[crack])
-        return 0.5 * (s[changes] + s[changes + 1])
+        check_item(crack, self.body.cracks, "crack", "body.cracks")
+        nodes: Any = self.state.nodes  # the plane's, which have arc lengths
+        pairs = nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack]
+        a, b = states[pairs.T]
+        return nodes.arclengths[pairs[(a != b) & where(a, b)]].mean(axis=1)
 
     def StressIntensity(self, tip: int = 0, method: Any = "interaction", radius: float | None = None) -> StressIntensityFactors:
         """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy
 from ngsolve import GridFunction
 
 from ..algebra.active_set import coarse_start
@@ -128,7 +129,7 @@ class ReducedProblem:
         report = Report(
             (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
         )
-        with stage(report.timings, "active set", f"contact on {self.system.nodes.ndof} nodes of the crack"):
+        with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"):
             found = self._nodal_solution(options, case, cone, report)
         previous, nodes, moments = options.previous, self.system.nodes, case.g + self.S @ found.L
         residual = moments - found.G
@@ -159,7 +160,7 @@ class ReducedProblem:
         if len(previous.state.moments) != len(self.system.G):
             raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")
         G = self.system.G.copy()
-        G[self.system.nodes.ndof :] = previous.state.moments[self.system.nodes.ndof :]
+        G[len(self.system.nodes) :] = previous.state.moments[len(self.system.nodes) :]
         return G
 
     def _first_set(self, Q: np.ndarray, q: np.ndarray, options: StepOptions, report: Report) -> Any:
@@ -170,9 +171,8 @@ class ReducedProblem:
             return active_on(nodes, start)
         if start is not None:
             return start
-        order = along_cracks(nodes)
-        active = np.empty(nodes.ndof, dtype=bool)
-        active[order], report.coarse_iterations = coarse_start(Q[np.ix_(order, order)], q[order])
+        n = len(nodes)
+        active, report.coarse_iterations = coarse_start(Q[:n, :n], q[:n], nodes.neighbours)
         return active
 
     def Signs(self, cone: Cone) -> tuple[np.ndarray, np.ndarray]:
@@ -210,23 +210,17 @@ def check_converged(report: Report) -> None:
         )
 
 
-def along_cracks(nodes: Nodes) -> np.ndarray:
-    """The numbers of the nodal signs in the order of their arc lengths, crack by crack."""
-    first, order = 0, []
-    for positions in nodes.NodalPositions():
-        order.append(first + np.argsort(positions, kind="stable"))
-        first += len(positions)
-    return np.concatenate(order)
-
-
 def active_on(nodes: Nodes, solution: ContactSolution) -> np.ndarray:
-    """The active set of a solution at some nodes: that of the nearest of its own nodes, by arc length."""
-    theirs, ours = solution.state.nodes.NodalPositions(), nodes.NodalPositions()
-    if len(theirs) != len(ours):
-        raise ValueError(f"start is a solution with {len(theirs)} cracks for a problem with {len(ours)}; both need the same cracks")
-    states = np.split(solution.report.active[-1], np.cumsum([len(s) for s in theirs])[:-1])
-    nearest = [np.abs(np.subtract.outer(np.array(s), np.array(t))).argmin(axis=1) for s, t in zip(ours, theirs)]
-    return np.concatenate([state[n] for state, n in zip(states, nearest)])
+    """The active set of a solution at nodes: that of the nearest of its own nodes on the same crack."""
+    theirs, active = solution.state.nodes, np.empty(len(nodes), dtype=bool)
+    number, ours = (int(of.cracks.max()) + 1 for of in (theirs, nodes))
+    if number != ours:
+        raise ValueError(f"start is a solution with {number} cracks for a problem with {ours}; both need the same cracks")
+    for crack in range(ours):
+        there, here = np.flatnonzero(theirs.cracks == crack), nodes.cracks == crack
+        _, nearest = scipy.spatial.cKDTree(theirs.positions[there]).query(nodes.positions[here])
+        active[here] = solution.report.active[-1][there[nearest]]
+    return active
 
 
 def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndarray, found: NodalSolution) -> float:
@@ -236,7 +230,7 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     """
     T, p = found.T, found.p
     w = T.T @ (system.Moments(U, found.L) - found.G)
-    lengths = np.maximum(np.abs(T.T) @ np.abs(system.weights), TINY)
+    lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.friction.components)), TINY)
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
     displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max())
     scale = max(np.abs(p).max(), TINY)

@@ -137,11 +137,11 @@ class TipIntegral:
 
 
 def crack_rule(W: TraceSpace, tip: Tip, radius: float, n: int = 10) -> tuple[np.ndarray, np.ndarray]:
-    """Mesh points and weights on the crack of a tip inside a disk, for integrands like 1/√s at the tip; divided at W's nodes."""
+    """Mesh points and weights on the crack of a tip inside a disk, for integrands like 1/√s at the tip; divided as W's functions are."""
     body, crack = W.body, W.body.cracks[tip.crack]
-    nodes = {abs(tip.s - s) for s in (*W.basis.nodes[tip.crack], *body.MeshNodes(tip.crack, True))}
+    division = {abs(tip.s - s) for s in (*W.basis.division[tip.crack], *body.MeshNodes(tip.crack, True))}
     reach = _reach(crack, tip, radius)
-    cuts = np.sqrt([*sorted(s for s in nodes if s < reach), reach])
+    cuts = np.sqrt([*sorted(s for s in division if s < reach), reach])
     x, w = np.polynomial.legendre.leggauss(n)
     half = 0.5 * np.diff(cuts)[:, None]
     root = cuts[:-1, None] + half * (1 + x)  # ds = 2 √s d√s

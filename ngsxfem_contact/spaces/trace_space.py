@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from ngsolve import BilinearForm, GridFunction
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
 from ..arguments import check_type, check_whole
-from ..points import crack_points
+from .nodes import CurveNodes
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -55,36 +56,51 @@ class TraceSpace(core.TraceSpace):
         elif np.ndim(nodes) == 1 and len(nodes) and np.ndim(nodes[0]) == 0:
             nodes = [nodes]
         try:
-            core.NodalTraceBasis(body, order, nodes)  # refuses nodes that do not fit
+            functions: core.TraceBasis = core.NodalTraceBasis(body, order, nodes)
         except TypeError:
             raise TypeError(f"TraceSpace: nodes={nodes!r} are no arc lengths, one list of numbers for each crack") from None
-        if basis == "nodal" or (basis == "trace" and order == 0):
-            functions: core.TraceBasis = core.NodalTraceBasis(body, order, nodes)
-        elif basis == "trace":
-            functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
-        else:
+        if basis not in ("nodal", "trace"):
             raise ValueError(f"TraceSpace: basis={basis!r} is not 'nodal' or 'trace'")
+        if basis == "trace" and order > 0:
+            functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
         super().__init__(body, functions, order)
 
-    def NodalPositions(self) -> list[np.ndarray]:
-        """For each crack the arc lengths of the nodes at which signs are taken (for order 0: the intervals' midpoints)."""
-        nodal = core.NodalTraceBasis(self.body, self.order, self.basis.nodes)
-        return [np.array(nodal.DofPositions(c)) for c in range(len(self.body.cracks))]
+    @property
+    def nodes(self) -> TraceNodes:
+        """Where signs are taken, the TraceNodes: of order 0 the middles of the intervals. Raises ValueError as these do."""
+        return TraceNodes(self)
 
-    def NodalValues(self) -> np.ndarray | None:
-        """The matrix of the functions' values at the nodes, or None where it is the identity."""
-        if isinstance(self.basis, core.NodalTraceBasis):
-            return None
-        points = np.concatenate([crack_points(self.body, c, s) for c, s in enumerate(self.NodalPositions())])
-        values = np.empty((len(points), self.ndof))
-        function = GridFunction(self)
-        for j in range(self.ndof):
+    def NodalPositions(self) -> list[np.ndarray]:
+        """For each crack the arc lengths of the nodes."""
+        nodes = self.basis.Nodes()
+        return [nodes.arclengths[nodes.cracks == c] for c in range(len(self.body.cracks))]
+
+
+class TraceNodes(CurveNodes):
+    """Where the signs of functions of a TraceSpace are taken. Raises ValueError unless there are as many functions as nodes."""
+
+    def __init__(self, W: TraceSpace) -> None:
+        super().__init__(W.basis.Nodes())
+        self.W = W
+        if W.ndof != len(self):
+            raise ValueError(f"TraceSpace: {W.ndof} independent traces for {len(self)} nodes, so nodal signs do not fit; use basis='nodal'")
+
+    @cached_property
+    def functions(self) -> np.ndarray:
+        """The identity for nodal functions, and for others the inverse of their values at the nodes."""
+        if isinstance(self.W.basis, core.NodalTraceBasis):
+            return super().functions
+        values, function = np.empty((len(self), len(self))), GridFunction(self.W)
+        for j in range(len(self)):
             function.vec[:] = 0
             function.vec[j] = 1
-            values[:, j] = function(points).ravel()
-        if values.shape[0] != values.shape[1]:
-            raise ValueError(f"TraceSpace: {values.shape[1]} independent traces for {values.shape[0]} nodes, so nodal signs do not fit; use basis='nodal'")
-        return values
+            values[:, j] = self.Values(function)
+        return np.linalg.inv(values)
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """∫ψ_i ψ_j."""
+        return self.functions.T @ mass_matrix(self.W) @ self.functions
 
 
 def mass_matrix(W: TraceSpace) -> csr_matrix:

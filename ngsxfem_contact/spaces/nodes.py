@@ -1,0 +1,39 @@
+"""The nodes of multipliers in the plane: points of curves.    protocols.Nodes is what is asked of nodes."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from ngsolve import CoefficientFunction
+
+from .. import _ngsxfem_contact as core
+from ..points import crack_points
+
+
+class CurveNodes(core.CurveNodes):
+    """Nodes of the plane's cracks, in the order of `arclengths`. Values at them are coefficients, sums over them with `weights` integrals."""
+
+    @property
+    def functions(self) -> np.ndarray:
+        """The identity."""
+        return np.eye(len(self))
+
+    @property
+    def mass(self) -> np.ndarray:
+        """That of the sums, diagonal."""
+        return np.diag(self.weights)
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """For NGSolve's functions."""
+        points = [crack_points(self.body, c, self.arclengths[self.cracks == c]) for c in range(len(self.body.cracks))]
+        return np.concatenate(points).astype(points[0].dtype)  # concatenate drops the padding of NGSolve's mesh points
+
+    def Values(self, function: CoefficientFunction) -> np.ndarray:
+        """Of a scalar CoefficientFunction, (n,)."""
+        return function(self.points).ravel()
+
+    def Place(self, i: int) -> str:
+        """Its arc length."""
+        return f"arc length {self.arclengths[i]:.6g} of crack {self.cracks[i]}"
