@@ -3,12 +3,10 @@
 python benchmarks/closed_forms.py [a b c d arc] [--realisations 10]
 """
 
-import argparse
-
 import numpy as np
 import repository  # noqa: F401
 from ngsolve import TaskManager, ngsglobals
-from results import recorded
+from results import cases_of, recorded
 from scipy.optimize import brentq
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
@@ -97,10 +95,7 @@ def report(name, case, maxhs, pairs, realisations):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", default=["a", "b", "c", "d", "arc"])
-    parser.add_argument("--realisations", type=int, default=10)
-    arguments = parser.parse_args()
+    arguments = cases_of(__doc__, ["a", "b", "c", "d", "arc"])
     ngsglobals.msg_level = 0
     n = arguments.realisations
     with TaskManager():

@@ -18,7 +18,7 @@ from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFE
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, WingCracks
-from study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
+from study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, add_loads, paper_problem, unstructured_mesh
 
 PSI = np.radians(40)  # of the load's axis from the crack
 PHI = 0.2  # angle of friction
@@ -98,12 +98,7 @@ def finite():
 def loaded(mesh, cracks, p):
     """Load C with tractions (0, -p) on the top, (0, p) on the bottom."""
     problem = problem_on(mesh, [Crack.Arc(*points) if isinstance(points, tuple) else Crack(points) for points in cracks])
-    v, body = problem.V.TestFunction(), problem.body
-    problem.f += BODY_FORCE * v * body.dx(bonus_intorder=6) + TRACTION["C"] * v * body.ds("left|right", bonus_intorder=6)
-    if p:
-        problem.f += CF((0, -p)) * v * body.ds("top") + CF((0, p)) * v * body.ds("bottom")
-    problem.Pin((1, -0.5), "xy")
-    problem.Pin((1, 0.5), "x")
+    add_loads(problem, "C", p)
     return problem.Solve()
 
 

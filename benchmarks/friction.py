@@ -3,13 +3,11 @@
 python benchmarks/friction.py [e stick reference] [--realisations 10]
 """
 
-import argparse
-
 import numpy as np
 import repository  # noqa: F401
 from closed_forms import report
 from ngsolve import TaskManager, ngsglobals
-from results import recorded
+from results import cases_of, recorded
 
 from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, Nitsche, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.algebra import FixedPoint
@@ -73,10 +71,7 @@ def print_reference(name, **options):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", default=["e", "stick", "reference"])
-    parser.add_argument("--realisations", type=int, default=10)
-    arguments = parser.parse_args()
+    arguments = cases_of(__doc__, ["e", "stick", "reference"])
     ngsglobals.msg_level = 0
     n = arguments.realisations
     with TaskManager():

@@ -36,6 +36,14 @@ def heading(arguments):
     return f"# python benchmarks/{shlex.join(arguments)}\n# measured with {versions} on {date.today()}, {os.cpu_count()} cores\n"
 
 
+def cases_of(description, cases):
+    """The arguments of a benchmark that does some of its cases, each for a number of realisations."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="*", default=cases)
+    parser.add_argument("--realisations", type=int, default=10)
+    return parser.parse_args()
+
+
 def recorded(main, folder=FOLDER):
     """Runs main; with --results NAME on the command line keeps what it prints, if it comes to its end."""
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)

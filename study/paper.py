@@ -90,8 +90,15 @@ def paper_problem(
     V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip)
     W = TraceSpace(body, order=orders.multiplier_order)
     problem = ContactProblem(V, W, MATERIAL, stabilisation=stabilisation, cone=cone, friction=friction)
-    v = V.TestFunction()
+    add_loads(problem, load)
+    return problem
+
+
+def add_loads(problem, load, pressure=0):
+    """The paper's forces, a pressure on the top and the bottom, and what holds the body."""
+    v, body = problem.V.TestFunction(), problem.body
     problem.f += BODY_FORCE * v * body.dx(bonus_intorder=6) + TRACTION[load] * v * body.ds("left|right", bonus_intorder=6)
+    if pressure:
+        problem.f += CF((0, -pressure)) * v * body.ds("top") + CF((0, pressure)) * v * body.ds("bottom")
     problem.Pin((1, -0.5), "xy")
     problem.Pin((1, 0.5), "x")
-    return problem

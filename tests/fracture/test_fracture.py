@@ -14,7 +14,7 @@ from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import InteractionIntegral
 from ngsxfem_contact.fracture.tip_fields import TipFrame, half_angle
-from study.paper import BODY_FORCE, FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, TRACTION, paper_problem, unstructured_mesh
+from study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, add_loads, paper_problem, unstructured_mesh
 
 ANGLE, OFFSET = 0.4, (0.02, -0.03)
 MOUTH = cf.mouths(ANGLE, OFFSET)[0]
@@ -225,12 +225,7 @@ def test_other_fitted_solutions(name):
     """At maxh = 0.032; the arc's K_I is 1.2 % of K_II here and 0.7 % at maxh = 0.03."""
     cracks, p, exact, tolerance = FITTED[name]
     problem = problem_on(unstructured_mesh(0.016), *cracks)
-    v, body = problem.V.TestFunction(), problem.body
-    problem.f += BODY_FORCE * v * body.dx(bonus_intorder=6) + TRACTION["C"] * v * body.ds("left|right", bonus_intorder=6)
-    if p:
-        problem.f += CF((0, -p)) * v * body.ds("top") + CF((0, p)) * v * body.ds("bottom")
-    problem.Pin((1, -0.5), "xy")
-    problem.Pin((1, 0.5), "x")
+    add_loads(problem, "C", p)
     solution = problem.Solve()
     for tip, K in enumerate(exact):
         assert np.allclose(tuple(solution.StressIntensity(tip)), K, atol=tolerance * np.abs(K).max())

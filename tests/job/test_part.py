@@ -205,9 +205,8 @@ def test_what_is_left_out_has_the_defaults_of_the_package(tmp_path):
 
 
 SQUARE = """
-[mesh]
-rectangle = [[0, 0], [1, 1]]
-maxh = 0.2
+mesh.rectangle = [[0, 0], [1, 1]]
+mesh.maxh = 0.2
 
 [[material]]
 lam = 1

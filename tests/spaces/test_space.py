@@ -366,8 +366,8 @@ def test_apply_linearise_and_energy_agree_with_the_matrix(operator, measure, opt
 def test_linear_forms_agree_with_matrices(operator, measure, options):
     """∫ op(w):op(v) with a GridFunction w is row by row the matrix times w; with SIMD and without."""
     V = CrackFESpace(BODY, **options)
-    u, v = V.TnT()
-    measure, w = getattr(BODY, measure), random_function(V)
+    (u, v), w = V.TnT(), random_function(V)
+    measure = getattr(BODY, measure)
     # of the same order: NGSolve lowers that of matrices by the derivatives, and products of gradients at a tip depend on the rule
     dw, dw_vector = measure(bonus_intorder=2), measure(bonus_intorder=0 if operator(u).dim == 4 else 2)
     expected = matrix(InnerProduct(operator(u), operator(v)) * dw) @ array(w.vec)
