@@ -52,10 +52,6 @@ def spline(points: Points, ends: str = "not-a-knot") -> Crack:
     ends
         "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
 
-    Returns
-    -------
-    Crack
-
     Raises
     ------
     ValueError
@@ -91,10 +87,6 @@ def curve(function: Callable[[float], Point], t0: float, t1: float, tolerance: f
         pieces, tolerance^(-1/4).
     max_pieces : int
         The largest number of cubics.
-
-    Returns
-    -------
-    Crack
 
     Raises
     ------
@@ -165,10 +157,6 @@ def level_set(mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | N
         Relative to the length; default 1e-6 of the size of the elements that the crack meets.
     max_points : int
         The largest number of points of the spline.
-
-    Returns
-    -------
-    Crack
 
     Raises
     ------

@@ -154,6 +154,13 @@ class Elasticity(Isotropic):
     alpha
         Coefficient of thermal expansion, for ContactProblem(..., temperature=ΔT).
 
+    Other Parameters
+    ----------------
+    E
+        Young's modulus, a stress > 0.
+    alpha
+        Thermal expansion.
+
     Raises
     ------
     TypeError
@@ -209,16 +216,8 @@ class Elasticity(Isotropic):
 
         Parameters
         ----------
-        E
-            Young's modulus, a stress > 0.
         nu
             Poisson's ratio, -1 < nu < 1/2.
-        alpha
-            Thermal expansion.
-
-        Returns
-        -------
-        Elasticity
 
         Raises
         ------
@@ -234,16 +233,8 @@ class Elasticity(Isotropic):
 
         Parameters
         ----------
-        E
-            Young's modulus, a stress > 0.
         nu
             Poisson's ratio, -1 < nu < 1.
-        alpha
-            Thermal expansion.
-
-        Returns
-        -------
-        Elasticity
 
         Raises
         ------
@@ -264,10 +255,6 @@ class Elasticity(Isotropic):
         materials
             {name of a region, or a regular expression: Elasticity}.
 
-        Returns
-        -------
-        RegionElasticity
-
         Raises
         ------
         ValueError
@@ -283,33 +270,11 @@ class Elasticity(Isotropic):
         return [self]
 
     def InRegion(self, number: int) -> "Elasticity":
-        """The Elasticity of a region: this one.
-
-        Parameters
-        ----------
-        number : int
-            Of a region (material) of the mesh.
-
-        Returns
-        -------
-        Elasticity
-        """
+        """The Elasticity of a region: this one."""
         return self
 
     def At(self, mesh: Mesh, point: Sequence[float]) -> "Elasticity":
-        """The Elasticity at a point: this one.
-
-        Parameters
-        ----------
-        mesh : Mesh
-            Of NGSolve.
-        point : (x, y)
-            Where.
-
-        Returns
-        -------
-        Elasticity
-        """
+        """The Elasticity at a point: this one."""
         return self
 
 

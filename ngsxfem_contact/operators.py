@@ -3,6 +3,15 @@
 The unit normal n points to the left of the crack's direction of travel t, from its minus to its plus side;
 jump(v) = v⁺ - v⁻; the gap g_n = jump(u)·n is ≥ 0 where the crack is open; the slip is g_t = jump(u)·t;
 σ_n = n·σn ≤ 0 is compression. [AHLMR12] writes ⟦u_n⟧ = u⁺·n⁺ + u⁻·n⁻, which is -g_n.
+
+Other Parameters
+----------------
+u : trial function, test function or GridFunction
+    Of a CrackFESpace.
+body : CrackedMesh
+    The body of the cracks.
+stress : CoefficientFunction
+    A 2 × 2 matrix.
 """
 
 from __future__ import annotations
@@ -26,50 +35,17 @@ SIDES = ("plus", "minus", "larger")
 
 
 def Plus(u: CoefficientFunction) -> CoefficientFunction:
-    """The limit u⁺ on the crack.
-
-    Parameters
-    ----------
-    u : trial function, test function or GridFunction
-        Of a CrackFESpace.
-
-    Returns
-    -------
-    CoefficientFunction
-        A vector with 2 components.
-    """
+    """The limit u⁺ on the crack, a vector with 2 components."""
     return u.Operator("plus")
 
 
 def Minus(u: CoefficientFunction) -> CoefficientFunction:
-    """The limit u⁻ on the crack.
-
-    Parameters
-    ----------
-    u : trial function, test function or GridFunction
-        Of a CrackFESpace.
-
-    Returns
-    -------
-    CoefficientFunction
-        A vector with 2 components.
-    """
+    """The limit u⁻ on the crack, a vector with 2 components."""
     return u.Operator("minus")
 
 
 def Jump(u: CoefficientFunction) -> CoefficientFunction:
-    """The jump u⁺ - u⁻ on the crack.
-
-    Parameters
-    ----------
-    u : trial function, test function or GridFunction
-        Of a CrackFESpace.
-
-    Returns
-    -------
-    CoefficientFunction
-        A vector with 2 components.
-    """
+    """The jump u⁺ - u⁻ on the crack, a vector with 2 components."""
     return u.Operator("jump")
 
 
@@ -78,8 +54,6 @@ def Gradient(u: CoefficientFunction, side: str | None = None) -> CoefficientFunc
 
     Parameters
     ----------
-    u : trial function, test function or GridFunction
-        Of a CrackFESpace.
     side
         None (default), by the position of the point; on the crack "plus", "minus", or "larger": from the polynomial of the larger part of the element, as
         in R_h of (12) of [AHLMR12].
@@ -106,8 +80,6 @@ def Strain(u: CoefficientFunction, side: str | None = None) -> CoefficientFuncti
 
     Parameters
     ----------
-    u : trial function, test function or GridFunction
-        Of a CrackFESpace.
     side : str or None
         As for Gradient.
 
@@ -122,13 +94,6 @@ def Strain(u: CoefficientFunction, side: str | None = None) -> CoefficientFuncti
 def NormalGap(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """The normal gap g_n = jump(u)·n; negative: interpenetration. [AHLMR12] writes -⟦u_n⟧.
 
-    Parameters
-    ----------
-    u : trial function, test function or GridFunction
-        Of a CrackFESpace.
-    body : CrackedMesh
-        The body of the cracks.
-
     Returns
     -------
     CoefficientFunction
@@ -139,13 +104,6 @@ def NormalGap(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
 
 def Slip(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """The slip g_t = jump(u)·t: the plus side moves along t by g_t more than the minus side.
-
-    Parameters
-    ----------
-    u : trial function, test function or GridFunction
-        Of a CrackFESpace.
-    body : CrackedMesh
-        The body of the cracks.
 
     Returns
     -------
@@ -158,13 +116,6 @@ def Slip(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
 def NormalStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """σ_n = n·σn of a stress on the crack; ≤ 0 in compression.
 
-    Parameters
-    ----------
-    stress : CoefficientFunction
-        A 2 × 2 matrix.
-    body : CrackedMesh
-        The body of the cracks.
-
     Returns
     -------
     CoefficientFunction
@@ -175,13 +126,6 @@ def NormalStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientF
 
 def TangentialStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """σ_t = t·σn of a stress on the crack.
-
-    Parameters
-    ----------
-    stress : CoefficientFunction
-        A 2 × 2 matrix.
-    body : CrackedMesh
-        The body of the cracks.
 
     Returns
     -------

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from .contact.contact_system import ContactSystem
     from .contact.problem import ContactProblem
     from .contact.report import Report
+    from .contact.solution import ContactSolution
+    from .fracture.stress_intensity import StressIntensityFactors
     from .material import Isotropic
     from .operators import Component
 
@@ -153,6 +155,38 @@ class TipFunctions(Protocol):
 
     def Spec(self, body: "CrackedMesh", tip: "Tip") -> "TipSpec":
         """Which functions with which cut-off there are at one tip of `body.tips`; raises ValueError for a disk that does not fit."""
+
+
+class StressIntensityMethod(Protocol):
+    """How K_I and K_II are read from a solution."""
+
+    def Evaluate(self, solution: "ContactSolution", tip: int) -> "StressIntensityFactors":
+        """Those of one tip of `body.tips`."""
+
+
+class GrowthCriterion(Protocol):
+    """Where to a tip grows, and what drives it."""
+
+    @property
+    def grows_closed(self) -> bool:
+        """Whether tips grow whose faces touch."""
+
+    def Angle(self, K_I: float, K_II: float) -> float:
+        """The direction, in radians from straight ahead, positive to the left."""
+
+    def Driving(self, K_I: float, K_II: float) -> float:
+        """What is compared with the toughness, a stress intensity factor."""
+
+
+class GrowthLaw(Protocol):
+    """How far tips grow in a step."""
+
+    @property
+    def da(self) -> float:
+        """The advance of the tip that grows fastest, a length."""
+
+    def Advances(self, driving: np.ndarray) -> tuple[np.ndarray, float]:
+        """(lengths, cycles): how far each of the tips that grow advances, and in how many cycles; driving: their driving factors, (n,)."""
 
 
 class DirectSolver(Protocol):

@@ -30,11 +30,19 @@ def is_enumeration(node):
     return isinstance(node, ast.ClassDef) and any(isinstance(s, ast.AnnAssign) and s.target.id == "__members__" for s in node.body)
 
 
+def summary(docstring):
+    """Its first paragraph below the signatures that pybind11 writes: the rest is in the extension itself."""
+    return docstring.strip().split("\n\n")[0]
+
+
 class Shortened(ast.NodeTransformer):
-    """Without what every Python object has; what every enumeration has in one class, for the reader of types: each derives from object."""
+    """With the first paragraphs of docstrings, and without what every Python object has; what every enumeration has in one class, for the reader of types: each derives from object."""
 
     def visit_FunctionDef(self, node):
         return None if node.name in LEFT_OUT else node
+
+    def visit_Constant(self, node):
+        return ast.Constant(summary(node.value)) if isinstance(node.value, str) and "\n" in node.value else node
 
     def visit_ClassDef(self, node):
         if is_enumeration(node):

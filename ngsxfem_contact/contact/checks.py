@@ -118,10 +118,6 @@ def Coercivity(problem: ContactProblem) -> float:
     problem : ContactProblem
         Whose K and K_γ they are.
 
-    Returns
-    -------
-    float
-
     Raises
     ------
     SingularSystem
@@ -168,10 +164,6 @@ def InfSup(V: CrackFESpace, W: TraceSpace, weight: CoefficientFunction = special
         TraceSpace on the same body.
     weight
         w, a length, by default the element size. With this β_h falls like (shortest cut / h)^{1/2}: a multiplier on a tiny cut acts on little.
-
-    Returns
-    -------
-    float
 
     Raises
     ------

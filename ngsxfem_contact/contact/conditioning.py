@@ -39,10 +39,6 @@ def CrackScaling(matrix: BaseMatrix, V: CrackFESpace, free: BitArray | None = No
         The space of the matrix.
     free
         Default V.FreeDofs(); functions that are negligible are left out, too.
-
-    Returns
-    -------
-    BaseMatrix
     """
     others = without_negligible(matrix, V, V.FreeDofs() if free is None else free)
     blocks = []
@@ -82,10 +78,6 @@ def ConditionNumber(problem: ContactProblem) -> float:
     ----------
     problem : ContactProblem
         Whose K - K_γ it is.
-
-    Returns
-    -------
-    float
 
     Raises
     ------

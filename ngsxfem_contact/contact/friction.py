@@ -57,13 +57,7 @@ class Friction(ABC):
     depends_on_path = True
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
-        """p = (p_n, p_t); books its iterations in the report.
-
-        Parameters
-        ----------
-        start
-            Nodes in contact at first.
-        """
+        """p = (p_n, p_t); books its iterations in the report."""
         threshold = self.Threshold(nodes, cone)
         contact = np.array(start, dtype=bool)
         if contact.shape != (len(q) // 2,):
@@ -78,13 +72,6 @@ class Friction(ABC):
 
     def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
         """(∫λ_t Δg_t of a step, how far it may be off).    w: minus the weighted gaps and slips.    before: p of the last step, or None.
-
-        Parameters
-        ----------
-        w
-            Minus the weighted gaps and slips.
-        before
-            p of the last step, or None.
 
         Notes
         -----
@@ -137,36 +124,11 @@ class Tresca(Friction):
         check_threshold(self.s, "Tresca: s")
 
     def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
-        """s at the nodes, or ∫sψ_i for the weak cone.
-
-        Parameters
-        ----------
-        nodes : Nodes
-            Of the multiplier.
-        cone : Nonpositive or Weak
-            What the signs refer to.
-
-        Returns
-        -------
-        Threshold
-        """
+        """s at the nodes, or ∫sψ_i for the weak cone."""
         return Threshold(cone.Values(nodes, checked_values(nodes, self.s, "Tresca: s")), np.zeros(len(nodes)), self.in_contact_only)
 
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
-        """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise.
-
-        Parameters
-        ----------
-        Q : (2 m, 2 m) array
-            The reduced matrix.
-        threshold : Threshold
-            That of the law.
-
-        Returns
-        -------
-        float or None
-            Below 1: one solution is proved. None: not known.
-        """
+        """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise."""
         return 0.0 if threshold.is_fixed else None
 
 
@@ -201,36 +163,11 @@ class Coulomb(Friction):
             raise TypeError(f"Coulomb: method={self.method!r} is neither FullNewton() nor FixedPoint()")
 
     def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
-        """s = μ_f |p_n| at the nodes.
-
-        Parameters
-        ----------
-        nodes : Nodes
-            Of the multiplier.
-        cone : Nonpositive or Weak
-            What the signs refer to.
-
-        Returns
-        -------
-        Threshold
-        """
+        """s = μ_f |p_n| at the nodes."""
         return Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f"))
 
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float:
-        """See nodal_newton.uniqueness_number.
-
-        Parameters
-        ----------
-        Q : (2 m, 2 m) array
-            The reduced matrix.
-        threshold : Threshold
-            That of the law.
-
-        Returns
-        -------
-        float or None
-            Below 1: one solution is proved. None: not known.
-        """
+        """See nodal_newton.uniqueness_number."""
         return uniqueness_number(Q, threshold.slope)
 
 

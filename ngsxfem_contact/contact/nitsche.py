@@ -84,40 +84,11 @@ class Nitsche(Defaults):
         return WholeTraction(self.gamma0, self.coercivity)
 
     def Gamma(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> CoefficientFunction:
-        """γ as a CoefficientFunction on the elements that the cracks meet.
-
-        Parameters
-        ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
-        components : Component
-            Of the traction that take part: normal, and with friction tangential.
-
-        Returns
-        -------
-        CoefficientFunction
-            γ, on the elements that the cracks meet.
-        """
+        """γ as a CoefficientFunction on the elements that the cracks meet."""
         return self._barbosa_hughes.Gamma(V, material, components)
 
     def IsSafe(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> bool:
-        """Whether the method is known to have one solution without an eigenvalue problem on the whole body.
-
-        Parameters
-        ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
-        components : Component
-            Of the traction that take part: normal, and with friction tangential.
-
-        Returns
-        -------
-        bool
-        """
+        """Whether the method is known to have one solution without an eigenvalue problem on the whole body."""
         return self.theta == -1 or self._barbosa_hughes.IsSafe(V, material, components)
 
     @property
@@ -126,34 +97,13 @@ class Nitsche(Defaults):
         return self.theta == 0
 
     def Remedy(self, smallest: float) -> str:
-        """A smaller γ, or θ = -1.
-
-        Parameters
-        ----------
-        smallest : float
-            The smallest eigenvalue of K - K_γ against K.
-
-        Returns
-        -------
-        str
-            The end of the message of NotCoercive.
-        """
+        """A smaller γ, or θ = -1."""
         if self.gamma0 is None:
             return f"γ was chosen element by element for a coercivity of {1 - self.coercivity:g}: take a smaller coercivity=..., or theta=-1"
         return self._barbosa_hughes.Remedy(smallest) + ", or theta=-1, which allows every γ"
 
     def System(self, problem: ContactProblem) -> NitscheSystem:
-        """The matrices of the problem: a NitscheSystem.
-
-        Parameters
-        ----------
-        problem : ContactProblem
-            Whose matrices they are.
-
-        Returns
-        -------
-        NitscheSystem
-        """
+        """The matrices of the problem: a NitscheSystem."""
         return NitscheSystem(problem, self)
 
 

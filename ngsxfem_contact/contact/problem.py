@@ -290,10 +290,6 @@ class ContactProblem:
         ----------
         a
             Springs and joints, a StiffnessForm; default those of the problem.
-
-        Returns
-        -------
-        ComparedTraction
         """
         return ComparedTraction(self.body, self.material, self.stabilisation.sides, (self.a if a is None else a).joint)
 
@@ -327,25 +323,6 @@ class ContactProblem:
         previous: ContactSolution | None = None,
     ) -> ContactSolution:
         """Solves the problem.
-
-        Parameters
-        ----------
-        inverse
-            NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for large problems where MKL is
-            installed.
-        cone
-            "nonpositive" or "weak"; default the problem's.
-        start
-            First active set: boolean, one for each nodal sign, or a ContactSolution on any mesh whose cracks have the same arc lengths; default: that of
-            `previous`, or from coarser sets.
-        max_iterations
-            Of the active set.
-        previous
-            With friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
-
-        Returns
-        -------
-        ContactSolution
 
         Raises
         ------

@@ -130,6 +130,13 @@ class ContactSolution:
         λ_t; None without friction.
     a : StiffnessForm
         The springs and joints of the solve.
+
+    Other Parameters
+    ----------------
+    crack : int
+        Number of the crack.
+    tip : int
+        A number in `body.tips`.
     """
 
     def __init__(
@@ -222,11 +229,6 @@ class ContactSolution:
     def ContactForce(self, crack: int = 0) -> float:
         """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length.
 
-        Parameters
-        ----------
-        crack : int
-            Number of the crack.
-
         Returns
         -------
         float
@@ -241,11 +243,6 @@ class ContactSolution:
 
     def TangentialForce(self, crack: int = 0) -> float:
         """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction.
-
-        Parameters
-        ----------
-        crack : int
-            Number of the crack.
 
         Returns
         -------
@@ -322,14 +319,8 @@ class ContactSolution:
 
         Parameters
         ----------
-        crack : int
-            Number of the crack.
         n : int
             Of points, 2 or more.
-
-        Returns
-        -------
-        CrackProfile
 
         Raises
         ------
@@ -363,10 +354,6 @@ class ContactSolution:
             `operators.NORMAL` or `operators.TANGENTIAL`.
         side : str
             "plus", "minus" or "larger".
-
-        Returns
-        -------
-        CoefficientFunction
         """
         traction = self._compared(component, side)
         return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
@@ -375,31 +362,11 @@ class ContactSolution:
         return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.load.Shift(component, side, self.body)
 
     def Transitions(self, crack: int = 0) -> np.ndarray:
-        """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle.
-
-        Parameters
-        ----------
-        crack : int
-            Number of the crack.
-
-        Returns
-        -------
-        (n,) array
-        """
+        """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
         return self._changes(self.report.active[-1], crack)
 
     def SlipTransitions(self, crack: int = 0) -> np.ndarray:
-        """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count.
-
-        Parameters
-        ----------
-        crack : int
-            Number of the crack.
-
-        Returns
-        -------
-        (n,) array
-        """
+        """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
         tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(len(self.state.nodes))
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
@@ -415,18 +382,12 @@ class ContactSolution:
 
         Parameters
         ----------
-        tip : int
-            A number in `body.tips`.
         method
             "interaction" (default), the interaction integral over disks around the tip, with the body force and the tractions of closed lips; "modes", the
             coefficients of the space's modes; "jump", extrapolated jumps; or an object with Evaluate(solution, tip): InteractionIntegral, ModeCoefficients,
             JumpExtrapolation.
         radius
             Of the largest disk, in the unit of length; default eight elements, less where there is no room.
-
-        Returns
-        -------
-        StressIntensityFactors
 
         Raises
         ------
@@ -447,14 +408,8 @@ class ContactSolution:
 
         Parameters
         ----------
-        tip : int
-            A number in `body.tips`.
         radius : float
             Of the largest disk, a length; default eight elements, less where there is no room.
-
-        Returns
-        -------
-        EnergyReleaseRate
         """
         return fracture.energy_release_rate(self, tip, radius)
 
@@ -467,14 +422,8 @@ class ContactSolution:
 
         Parameters
         ----------
-        tip : int
-            A number in `body.tips`.
         radius : float
             Of the largest disk, a length; default eight elements, less where there is no room.
-
-        Returns
-        -------
-        TStress
         """
         return fracture.t_stress(self, tip, radius)
 

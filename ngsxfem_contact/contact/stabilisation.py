@@ -87,6 +87,13 @@ class BarbosaHughes(Defaults):
     theta
         Between 0 and 1.
 
+    Other Parameters
+    ----------------
+    V : CrackFESpace
+        The displacements.
+    material : Elasticity
+        Of the body.
+
     Notes
     -----
     With friction the tangential multiplier is stabilised in the same way, R_h(v)² becoming |σ(v)n|².
@@ -103,22 +110,7 @@ class BarbosaHughes(Defaults):
         check_number(self.theta, "BarbosaHughes: theta", lambda theta: 0 < theta < 1, "lie between 0 and 1")
 
     def Gamma(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> CoefficientFunction:
-        """γ as a CoefficientFunction on the elements that the cracks meet.
-
-        Parameters
-        ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
-        components : Component
-            Of the traction that take part: normal, and with friction tangential.
-
-        Returns
-        -------
-        CoefficientFunction
-            γ, on the elements that the cracks meet.
-        """
+        """γ as a CoefficientFunction on the elements that the cracks meet."""
         return element_gamma(V, self.Limits(V, material, components))
 
     @property
@@ -131,10 +123,6 @@ class BarbosaHughes(Defaults):
 
         Parameters
         ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
         components : Component
             Of the traction that take part: normal, and with friction tangential.
 
@@ -152,52 +140,15 @@ class BarbosaHughes(Defaults):
         return np.where(lacks_pressure(V, law), 0, limits)
 
     def Law(self, V: CrackFESpace, material: Isotropic) -> Isotropic | WithoutPressure:
-        """The material, or the part of it that γ has to do with: where it is nearly incompressible, pressures of their own take the rest.
-
-        Parameters
-        ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
-
-        Returns
-        -------
-        Elasticity
-        """
+        """The material, or the part of it that γ has to do with: where it is nearly incompressible, pressures of their own take the rest."""
         return WithoutPressure(material) if is_projected(V, material) else material
 
     def IsSafe(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> bool:
-        """Whether the local eigenproblems prove K - K_γ positive.
-
-        Parameters
-        ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
-        components : Component
-            Of the traction that take part: normal, and with friction tangential.
-
-        Returns
-        -------
-        bool
-        """
+        """Whether the local eigenproblems prove K - K_γ positive."""
         return self.gamma0 is None or self.gamma0 * trace_constants(V, self.Law(V, material), components).max() < 1
 
     def Remedy(self, smallest: float) -> str:
-        """A smaller γ.
-
-        Parameters
-        ----------
-        smallest : float
-            The smallest eigenvalue of K - K_γ against K.
-
-        Returns
-        -------
-        str
-            The end of the message of NotCoercive.
-        """
+        """A smaller γ."""
         if self.gamma0 is None:
             return f"γ was chosen element by element for a coercivity of {1 - self.theta:g}: take a smaller theta"
         return smaller_gamma0(self.gamma0, smallest, "gamma0=None, which chooses γ itself")
@@ -231,55 +182,15 @@ class BothSides(Defaults):
         return {"plus": self.weight, "minus": self.weight}
 
     def Gamma(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> CoefficientFunction:
-        """γ as a CoefficientFunction on the elements that the cracks meet.
-
-        Parameters
-        ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
-        components : Component
-            Of the traction that take part: normal, and with friction tangential.
-
-        Returns
-        -------
-        CoefficientFunction
-            γ, on the elements that the cracks meet.
-        """
+        """γ as a CoefficientFunction on the elements that the cracks meet."""
         return element_gamma(V, np.full(len(crack_elements(V.body)), self.gamma0))
 
     def IsSafe(self, V: CrackFESpace, material: Isotropic, components: Sequence[Component] = (NORMAL,)) -> bool:
-        """False: no local bound is known, the eigenvalue has to be computed.
-
-        Parameters
-        ----------
-        V : CrackFESpace
-            The displacements.
-        material : Elasticity
-            Of the body.
-        components : Component
-            Of the traction that take part: normal, and with friction tangential.
-
-        Returns
-        -------
-        bool
-        """
+        """False: no local bound is known, the eigenvalue has to be computed."""
         return False
 
     def Remedy(self, smallest: float) -> str:
-        """A smaller γ.
-
-        Parameters
-        ----------
-        smallest : float
-            The smallest eigenvalue of K - K_γ against K.
-
-        Returns
-        -------
-        str
-            The end of the message of NotCoercive.
-        """
+        """A smaller γ."""
         return smaller_gamma0(self.gamma0, smallest, "BarbosaHughes(), which chooses γ itself")
 
 

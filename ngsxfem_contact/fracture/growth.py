@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from ..contact.solution import ContactSolution
     from ..material import Isotropic
+    from ..protocols import GrowthCriterion, GrowthLaw
 
 logger = logging.getLogger(__name__)
 
@@ -38,6 +39,13 @@ class MaximumHoopStress:
 
     A tip whose faces touch does not grow: contact makes K_I = 0 there. WingCracks lets it kink.
 
+    Other Parameters
+    ----------------
+    K_I : float
+        Stress × √length.
+    K_II : float
+        Stress × √length.
+
     Examples
     --------
     >>> round(degrees(MaximumHoopStress().Angle(K_I=0, K_II=1)), 2)
@@ -47,37 +55,13 @@ class MaximumHoopStress:
     grows_closed = False
 
     def Angle(self, K_I: float, K_II: float) -> float:
-        """θ in radians from the direction ahead, counter-clockwise: K_I sin θ + K_II (3 cos θ - 1) = 0, |θ| ≤ 70.53°.
-
-        Parameters
-        ----------
-        K_I : float
-            Stress × √length.
-        K_II : float
-            Stress × √length.
-
-        Returns
-        -------
-        float
-        """
+        """θ in radians from the direction ahead, counter-clockwise: K_I sin θ + K_II (3 cos θ - 1) = 0, |θ| ≤ 70.53°."""
         if K_II == 0:
             return 0.0
         return 2 * atan2(-2 * K_II, K_I + sqrt(K_I**2 + 8 * K_II**2))
 
     def Driving(self, K_I: float, K_II: float) -> float:
-        """The largest σ_θθ √(2πr): for K_II = 0 it is K_I.
-
-        Parameters
-        ----------
-        K_I : float
-            Stress × √length.
-        K_II : float
-            Stress × √length.
-
-        Returns
-        -------
-        float
-        """
+        """The largest σ_θθ √(2πr): for K_II = 0 it is K_I."""
         half = 0.5 * self.Angle(K_I, K_II)
         return cos(half) ** 2 * (K_I * cos(half) - 3 * K_II * sin(half))
 
@@ -109,19 +93,8 @@ class GivenIncrement:
     def __post_init__(self) -> None:
         check_positive(self.da, "GivenIncrement: da")
 
-    def Advances(self, driving: list[float]) -> tuple[np.ndarray, float]:
-        """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted.
-
-        Parameters
-        ----------
-        driving : (n,) array
-            The driving factors of the tips that grow.
-
-        Returns
-        -------
-        (advances, cycles)
-            Lengths, and a number of cycles.
-        """
+    def Advances(self, driving: np.ndarray) -> tuple[np.ndarray, float]:
+        """(advances, cycles) for the driving factors of the tips that grow; no cycles are counted."""
         return np.full(len(driving), self.da), 0.0
 
 
@@ -163,18 +136,7 @@ class Paris:
         check_number(self.ratio, "Paris: ratio", lambda ratio: 0 <= ratio < 1, "be at least 0 and less than 1")
 
     def Advances(self, driving: np.ndarray) -> tuple[np.ndarray, float]:
-        """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take.
-
-        Parameters
-        ----------
-        driving : (n,) array
-            The driving factors of the tips that grow.
-
-        Returns
-        -------
-        (advances, cycles)
-            Lengths, and a number of cycles.
-        """
+        """(advances, cycles) for the driving factors of the tips that grow: lengths, and the number of cycles that they take."""
         rates = self.C * ((1 - self.ratio) * np.asarray(driving)) ** self.m
         cycles = self.da / rates.max()
         return rates * cycles, float(cycles)
@@ -248,12 +210,7 @@ class CrackGrowth:
     """
 
     def __init__(
-        self,
-        make_problem: Callable[..., Any],
-        cracks: list[Crack],
-        law: GivenIncrement,
-        criterion: MaximumHoopStress | WingCracks = MaximumHoopStress(),
-        toughness: float = 0.0,
+        self, make_problem: Callable[..., Any], cracks: list[Crack], law: GrowthLaw, criterion: GrowthCriterion = MaximumHoopStress(), toughness: float = 0.0
     ) -> None:
         check_number(toughness, "CrackGrowth: toughness", lambda toughness: 0 <= toughness < float("inf"), "be a finite number >= 0")
         if not callable(make_problem):
@@ -321,7 +278,7 @@ class CrackGrowth:
         self._next = cracks, cycles
         growing = [row for row in rows if not row.state]
         if growing:
-            advances, more = self.law.Advances([row.driving for row in growing])
+            advances, more = self.law.Advances(np.array([row.driving for row in growing]))
             self._next = cracks, cycles + more
             for row, advance in sorted(zip(growing, advances), key=lambda pair: -pair[0].driving):
                 self._grow(solution, row, float(advance))
@@ -422,10 +379,6 @@ class CrackGrowth:
         ----------
         path : str
             The file.
-
-        Returns
-        -------
-        str
         """
         table = self.table
 
@@ -446,10 +399,6 @@ class CrackGrowth:
             Of the displacement; default: the largest is 5 % of the body.
         seconds : float
             For each state.
-
-        Returns
-        -------
-        str
         """
         from ..plotting.plots import animate
 

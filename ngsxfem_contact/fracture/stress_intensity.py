@@ -208,19 +208,7 @@ class InteractionIntegral:
     radius: float | None = None
 
     def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
-        """StressIntensityFactors of the largest domain, with their change over three and with the pressure.
-
-        Parameters
-        ----------
-        solution : ContactSolution
-            What is evaluated.
-        tip : int
-            A number in `body.tips`.
-
-        Returns
-        -------
-        StressIntensityFactors
-        """
+        """StressIntensityFactors of the largest domain, with their change over three and with the pressure."""
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
         u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
         integrals = [TipIntegral(solution.problem, frame, radius) for radius in radii]
@@ -243,19 +231,7 @@ class ModeCoefficients:
     """
 
     def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
-        """Raises ValueError if the space has no modes at the tip.
-
-        Parameters
-        ----------
-        solution : ContactSolution
-            What is evaluated.
-        tip : int
-            A number in `body.tips`.
-
-        Returns
-        -------
-        StressIntensityFactors
-        """
+        """Raises ValueError if the space has no modes at the tip."""
         modes = mode_coefficients(solution, tip)
         if modes is None:
             raise ValueError(f"StressIntensity: the space has no modes at tip {tip}; build it with tip=TipEnrichment(material=material, functions='modes')")
@@ -279,19 +255,7 @@ class JumpExtrapolation:
         check_whole(self.points, "JumpExtrapolation: points", 2)
 
     def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
-        """Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent.
-
-        Parameters
-        ----------
-        solution : ContactSolution
-            What is evaluated.
-        tip : int
-            A number in `body.tips`.
-
-        Returns
-        -------
-        StressIntensityFactors
-        """
+        """Raises ValueError if the space has no singular functions there: the jump would be wrong by tens of percent."""
         if solution.problem.V.tip_specs[tip] is None:
             raise ValueError(f"StressIntensity: the space has no functions at tip {tip}, so the jump there is wrong; use method='interaction'")
         frame, body, material = TipFrame(solution.body, tip), solution.body, material_at(solution, tip)

@@ -84,10 +84,6 @@ class LoadForm(LinearForm):
         form : LoadForm or LinearForm
             What takes its place.
 
-        Returns
-        -------
-        LoadForm
-
         Raises
         ------
         TypeError
@@ -245,6 +241,11 @@ class StiffnessForm:
     ----------
     V : CrackFESpace
 
+    Other Parameters
+    ----------------
+    u : GridFunction
+        The displacement.
+
     Raises
     ------
     ValueError
@@ -277,17 +278,7 @@ class StiffnessForm:
             form += term.form
 
     def Forces(self, u: GridFunction) -> np.ndarray:
-        """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body.
-
-        Parameters
-        ----------
-        u : GridFunction
-            The displacement.
-
-        Returns
-        -------
-        (ndof,) array
-        """
+        """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body."""
         operator = lambda name: u if name == "Id" else u.Operator(name)
         form = LinearForm(self.V)
         for term in self.terms:
@@ -305,8 +296,6 @@ class StiffnessForm:
 
         Parameters
         ----------
-        u : GridFunction
-            The displacement.
         field : CoefficientFunction
             In the place of the test function.
         elements : BitArray

@@ -52,7 +52,7 @@ class SupportForce:
     Attributes
     ----------
     name
-        Of the boundary, or "pin at (x, y)".
+        As of its Holder.
     force
         (F_x, F_y), stress × length.
     moment

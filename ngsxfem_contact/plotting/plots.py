@@ -1,4 +1,10 @@
-"""Pictures and VTK with the crack open and sharp, on the split mesh."""
+"""Pictures and VTK with the crack open and sharp, on the split mesh.
+
+Other Parameters
+----------------
+scale
+    Of the displacement; by default the largest is 5 % of the body's size.
+"""
 
 from __future__ import annotations
 
@@ -85,16 +91,10 @@ def plot_body(
         What is drawn.
     ax : Axes
         Of matplotlib; default new ones.
-    scale
-        Of the displacement; by default the largest is 5 % of the body's size.
     field
         CoefficientFunction such as `solution.stress[1, 1]`, with its label; by default the von Mises stress.
     label : str
         Of the field.
-
-    Returns
-    -------
-    Axes
 
     Notes
     -----
@@ -139,10 +139,6 @@ def plot_profile(solution: ContactSolution, crack: int = 0, ax: Any = None, quan
         One for each quantity; default new ones.
     quantities : sequence of str
         Of "pressure" -λ, "gap", "slip", "shear".
-
-    Returns
-    -------
-    array of Axes
     """
     for quantity in quantities:
         if quantity not in PROFILES:
@@ -174,10 +170,6 @@ def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
         Whose mesh, cracks and functions are drawn.
     ax : Axes
         Of matplotlib; default new ones.
-
-    Returns
-    -------
-    Axes
     """
     body = V.body
     ax = ax or pyplot().subplots(layout="constrained")[1]
@@ -240,8 +232,6 @@ def draw(solution: ContactSolution, field: CoefficientFunction | None = None, sc
         What is drawn.
     field
         CoefficientFunction such as `solution.u` or `solution.stress[1, 1]`; by default the von Mises stress.
-    scale
-        Of the displacement; by default the largest is 5 % of the body's size.
     **options
         Of ngsolve.webgui.Draw, such as filename="u.html", min=0, max=1, settings={"Objects": {"Wireframe": True}}.
     """

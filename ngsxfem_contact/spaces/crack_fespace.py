@@ -83,17 +83,6 @@ class TipEnrichment:
     def Spec(self, body: CrackedMesh, tip: Tip) -> TipSpec:
         """What the space needs to know at one tip.
 
-        Parameters
-        ----------
-        body : CrackedMesh
-            The body of the cracks.
-        tip : Tip
-            One of `body.tips`.
-
-        Returns
-        -------
-        TipSpec
-
         Raises
         ------
         ValueError
@@ -116,10 +105,6 @@ class TipEnrichment:
         ----------
         material : Elasticity or None
             Whose modes are taken.
-
-        Returns
-        -------
-        TipEnrichment
         """
         return self if self.material is not None or self.functions is not None else replace(self, material=material)
 

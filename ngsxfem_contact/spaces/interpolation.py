@@ -31,10 +31,6 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     tips
         For each tip the coefficients of its functions.
 
-    Returns
-    -------
-    GridFunction
-
     Raises
     ------
     ValueError
@@ -112,10 +108,6 @@ def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: i
         CoefficientFunction with two components, which may jump across the cracks.
     bonus_intorder
         Of the rule for it, default 4.
-
-    Returns
-    -------
-    GridFunction
 
     Raises
     ------

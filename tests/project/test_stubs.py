@@ -59,12 +59,12 @@ def words(text):
 
 @pytest.mark.parametrize("name", sorted(CLASSES))
 def test_docstrings(name):
-    """Those of the stub are those of the extension, beside the signatures that pybind11 writes first."""
+    """Those of the stub are the first paragraphs of those of the extension, below the signatures that pybind11 writes."""
     things = {node.name: (node, vars(getattr(extension, name))[node.name]) for node in CLASSES[name].body if isinstance(node, ast.FunctionDef)}
     for node, thing in [(CLASSES[name], getattr(extension, name)), *things.values()]:
         described = words(ast.get_docstring(node))
         found = words(getattr(thing, "__func__", thing).__doc__)
-        assert described == found[len(found) - len(described) :], node.name
+        assert bool(described) is bool(found) and " ".join(described) in " ".join(found), node.name
 
 
 @pytest.mark.parametrize("name", sorted(CLASSES))
