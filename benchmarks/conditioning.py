@@ -103,7 +103,7 @@ def block_scaling(A, V, kept):
     return S[:, kept]
 
 
-def measure(V, order, uncracked):
+def measure(V, uncracked):
     """{scaling: condition number relative to the uncracked one}, and the softness."""
     A, M, kept = cracked_matrices(V)
     K, M0 = uncracked
@@ -179,7 +179,7 @@ def strips():
         for distance in (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9):
             mesh, crack, _ = adversarial.position("along edges", 0, distance)
             V = CrackFESpace(CrackedMesh(mesh, crack), order=order, tip=None)
-            found = measure(V, order, uncracked_matrices(mesh, order))
+            found = measure(V, uncracked_matrices(mesh, order))
             names = ("H", "shifted", "dropped", "blocks", "softness")
             left_out = int((~cracked_matrices(V)[2]).sum())
             print(
