@@ -6,6 +6,7 @@ from netgen.csg import unit_cube
 from ngsolve import BilinearForm, Integrate, Mesh, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, TraceSpace
+from ngsxfem_contact.spaces.nodes import CurveNodes
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 
@@ -68,7 +69,7 @@ def test_numbers_that_do_not_exist():
         (lambda: BODY.Elements(1), "no crack 1"), (lambda: V.Heaviside(V.num_heaviside), f"no Heaviside function {V.num_heaviside}"),
         (lambda: V.HeavisideDof(0, 2), "component 2"), (lambda: V.HeavisideSide(0, far), f"element {far}"),
         (lambda: TraceSpace(BODY, nodes=[[0, CRACK.length], [0, 1]]), "2 cracks"),
-        (lambda: V.TipDofs(9), "no tip 9"),
+        (lambda: CurveNodes(BODY, [[0.1], [0.1]], [[1.0], [1.0]]), "no crack 1"), (lambda: V.TipDofs(9), "no tip 9"),
         (lambda: CRACK.PointAt(float("nan")), "arc length nan is outside"), (lambda: CRACK.TangentAt(99), "arc length 99.* is outside"),
         (lambda: CRACK.SideOf((float("inf"), 0)), "not finite"), (lambda: CrackedMesh(MESH, [CRACK]), "is not a Crack; give cracks one by one"),
     ]:  # fmt: skip
