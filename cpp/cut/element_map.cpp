@@ -24,8 +24,8 @@ namespace ngsxfem_contact
   {
     // p = t[2] + ξ (t[0]-t[2]) + η (t[1]-t[2])
     Point a = t[0]-t[2], b = t[1]-t[2], d = p-t[2];
-    double scale = 1/Cross(a, b);
-    return Point(scale*Cross(d, b), scale*Cross(a, d));
+    double det = Cross(a, b);
+    return Point(Cross(d, b)/det, Cross(a, d)/det);
   }
 
   ElementMap::Image ElementMap :: At (Point p) const

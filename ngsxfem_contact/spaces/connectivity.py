@@ -82,8 +82,10 @@ class VertexCopies:
 
     def _copy(self, vertex: int, element: int, forced: dict[int, int]) -> int:
         """The copy on the side of an element, or on forced sides {crack: side} with respect to the cracks that divide it."""
-        own = tuple(self.V.HeavisideSide(j, element) or forced[crack] for j, _, crack in self.enriched.get(vertex, []))
-        return self.index.setdefault((vertex, own), self.nv + len(self.index)) if own else vertex
+        if vertex not in self.enriched:
+            return vertex
+        own = tuple(self.V.HeavisideSide(j, element) or forced[crack] for j, _, crack in self.enriched[vertex])
+        return self.index.setdefault((vertex, own), self.nv + len(self.index))
 
     def OnLargerSide(self) -> np.ndarray:
         """(nv,): the copy of each vertex whose displacement is the coefficient of φ_i; -1 if there is none."""
@@ -107,7 +109,7 @@ def parts_joined_by_edges(corners: np.ndarray, copies: int) -> tuple[int, np.nda
     """(number, labels) of the connected parts of triangles (n, 3) that share edges."""
     n, following = len(corners), np.roll(corners, 1, axis=1)
     edges = (np.minimum(corners, following).astype(np.int64) * copies + np.maximum(corners, following)).ravel()
-    order = np.argsort(edges, kind="stable")
+    order = np.argsort(edges)
     shared = np.flatnonzero(np.diff(edges[order]) == 0)
     pairs = order[shared] // 3, order[shared + 1] // 3
     return scipy.sparse.csgraph.connected_components(scipy.sparse.coo_matrix((np.ones(len(shared), dtype=bool), pairs), shape=(n, n)), directed=False)
