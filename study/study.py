@@ -18,8 +18,9 @@ from ngsxfem_contact.contact.checks import Coercivity, InfSup
 from ngsxfem_contact.contact.cones import CONES
 from ngsxfem_contact.contact.options import StepOptions
 from ngsxfem_contact.contact.problem import ContactProblem
+from ngsxfem_contact.contact.profile import State
 from ngsxfem_contact.contact.report import Report
-from ngsxfem_contact.contact.solution import ContactSolution, State
+from ngsxfem_contact.contact.solution import ContactSolution
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes, BothSides
 from ngsxfem_contact.errors import SolveError

@@ -73,7 +73,13 @@ def solve_active_set(Q: np.ndarray, q: np.ndarray, start: np.ndarray | None = No
 def coarse_start(Q: np.ndarray, q: np.ndarray, neighbours: np.ndarray | None = None, smallest: float = 4) -> tuple[np.ndarray, int]:
     """A first active set from coarser problems, and the number of iterations on them.
 
-    neighbours: pairs (k, 2) of unknowns beside each other; default each and the next.
+    Parameters
+    ----------
+    neighbours
+        Pairs (k, 2) of unknowns beside each other; default each and the next.
+
+    Notes
+    -----
     Two neighbours share one unknown, p = P p_c, which keeps p ≤ 0: solve with PᵀQP, Pᵀq, itself started from half as many unknowns.
     """
     m = len(q)

@@ -71,7 +71,14 @@ class Friction(ABC):
         return result.p
 
     def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
-        """(∫λ_t Δg_t of a step, how far it may be off).    w: minus the weighted gaps and slips.    before: p of the last step, or None.
+        """(∫λ_t Δg_t of a step, how far it may be off).
+
+        Parameters
+        ----------
+        w
+            Minus the weighted gaps and slips.
+        before
+            p of the last step, or None.
 
         Notes
         -----

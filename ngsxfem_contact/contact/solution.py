@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +12,10 @@ from ..algebra.nodal_newton import FREE
 from ..arguments import check_item, check_regions, check_whole
 from ..fracture import stress_intensity as fracture
 from ..loads.load import LoadTerms, check_unchanged
-from ..operators import NORMAL, TANGENTIAL, NormalGap, Slip
-from ..points import crack_points
-from ..protocols import Nodes
+from ..operators import NORMAL
 from ..spaces.incompressible import stress, stress_power
 from .mixed_system import LocalPressures
+from .profile import CrackProfile, State, changes, profile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,69 +34,11 @@ if TYPE_CHECKING:
     from .report import Report
 
 
-@dataclass
-class CrackProfile:
-    """Arrays (n,) along a crack, in the user's units of length and stress.
-
-    Attributes
-    ----------
-    s
-        Arc length.
-    x, y
-        The points.
-    gap
-        g_n ≥ 0.
-    slip
-        g_t.
-    sigma_n
-        λ ≤ 0.
-    sigma_t
-        λ_t with friction, see Profile.
-    """
-
-    s: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    gap: np.ndarray
-    slip: np.ndarray
-    sigma_n: np.ndarray
-    sigma_t: np.ndarray
-
-
-@dataclass
-class State:
-    """Of the nodes where signs are taken.
-
-    Attributes
-    ----------
-    nodes
-        The Nodes of the multipliers.
-    L
-        The multipliers there.
-    moments
-        (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
-    residual
-        Moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
-    p
-        The values whose signs are checked, L = T p.
-    work
-        Of friction in this step, and how far it may be off.
-    """
-
-    nodes: Nodes
-    L: np.ndarray
-    moments: np.ndarray
-    residual: np.ndarray
-    p: np.ndarray | None = None
-    work: tuple[float, float] = (0.0, 0.0)
-
-
 class ContactSolution:
     """What a solve found: displacement, pressure, and what can be read from them.
 
     u may be a function without arguments that computes u and the SupportResidual: it is called when one of them is first used.
-    tangential_multiplier: λ_t, a GridFunction; None without friction.    state: a State, for the next load step.
-    case: the ReducedCase of this step: F, and the terms it comes from.    a: the springs and joints of the solve, a StiffnessForm.
+
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
 
     Parameters
@@ -117,8 +57,13 @@ class ContactSolution:
         For the next load step.
     case
         The load of this step: F, and the terms it comes from.
-    load
-        The load of this step: F, and the terms it comes from.
+
+    Other Parameters
+    ----------------
+    crack : int
+        Number of the crack.
+    tip : int
+        A number in `body.tips`.
 
     Attributes
     ----------
@@ -130,13 +75,6 @@ class ContactSolution:
         λ_t; None without friction.
     a : StiffnessForm
         The springs and joints of the solve.
-
-    Other Parameters
-    ----------------
-    crack : int
-        Number of the crack.
-    tip : int
-        A number in `body.tips`.
     """
 
     def __init__(
@@ -279,11 +217,6 @@ class ContactSolution:
             A boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided between them as σn
             on either side says.
 
-        Returns
-        -------
-        (2,) array
-            Stress × length.
-
         Raises
         ------
         ValueError
@@ -327,18 +260,9 @@ class ContactSolution:
         ValueError
             For a crack that is not there and for n < 2.
         """
-        body = self.body
-        check_item(crack, body.cracks, "crack", "body.cracks")
+        check_item(crack, self.body.cracks, "crack", "body.cracks")
         check_whole(n, "Profile: n", 2)
-        s = np.linspace(0, body.cracks[crack].length, n)
-        points = crack_points(body, crack, s)
-        xy = np.array([body.cracks[crack].PointAt(si) for si in s])
-        gap, slip, sigma_n = (f(points).ravel() for f in (NormalGap(self.u, body), Slip(self.u, body), self.multiplier))
-        if self.tangential_multiplier:
-            return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.tangential_multiplier(points).ravel())
-        # at a tip itself the terms of the stress cancel only in exact arithmetic
-        inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
-        return CrackProfile(s, xy[:, 0], xy[:, 1], gap, slip, sigma_n, self.Traction(TANGENTIAL, "larger")(inside).ravel())
+        return profile(self, crack, n)
 
     def FaceTractions(self) -> FaceTractions:
         """What acts on the faces beside contact and friction: the FaceTractions that are given, and those of elastic joints."""
@@ -372,10 +296,7 @@ class ContactSolution:
 
     def _changes(self, states: np.ndarray, crack: int, where: Callable[..., Any] = lambda a, b: True) -> np.ndarray:
         check_item(crack, self.body.cracks, "crack", "body.cracks")
-        nodes: Any = self.state.nodes  # the plane's, which have arc lengths
-        pairs = nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack]
-        a, b = states[pairs.T]
-        return nodes.arclengths[pairs[(a != b) & where(a, b)]].mean(axis=1)
+        return changes(self.state.nodes, crack, states, where)
 
     def StressIntensity(self, tip: int = 0, method: Any = "interaction", radius: float | None = None) -> StressIntensityFactors:
         """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).

@@ -20,8 +20,9 @@ from .contact_system import ContactSystem
 from .friction import transformation
 from .load_case import LoadCase, ReducedCase
 from .options import StepOptions
+from .profile import State
 from .report import Report, stage
-from .solution import ContactSolution, State
+from .solution import ContactSolution
 
 if TYPE_CHECKING:
     from .problem import ContactProblem

@@ -296,7 +296,10 @@ def _largest_ratios(V: CrackFESpace, material: Isotropic | WithoutPressure, comp
 def largest_ratios(R: np.ndarray, A: np.ndarray, sizes: np.ndarray, kernel: float = 1e-10) -> np.ndarray:
     """The largest eigenvalues of matrices R against A, (n, k, k) each, beside the common kernels, to which rows of zeros belong.
 
-    sizes: (n, k), of the unit of each diagonal entry of A.
+    Parameters
+    ----------
+    sizes
+        (n, k), of the unit of each diagonal entry of A.
     """
     diagonal = np.einsum("eii->ei", A)
     used = diagonal > 1e-28 * sizes

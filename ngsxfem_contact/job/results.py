@@ -7,7 +7,7 @@ import json
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from ..contact.solution import CrackProfile
+from ..contact.profile import CrackProfile
 from ..files import write_whole
 from ..plotting.plots import plot_body, plot_profile, pyplot
 

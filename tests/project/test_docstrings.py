@@ -10,9 +10,10 @@ import pytest
 
 import ngsxfem_contact
 from ngsxfem_contact import _ngsxfem_contact as extension
+from ngsxfem_contact import protocols
 
 PACKAGE = Path(ngsxfem_contact.__file__).parent
-SECTIONS = ["Parameters", "Attributes", "Returns", "Raises", "Warns", "Notes", "References", "Examples"]
+SECTIONS = ["Parameters", "Attributes", "Returns", "Other Parameters", "Raises", "Warns", "Notes", "References", "Examples"]
 STUB = ast.parse((PACKAGE / "_ngsxfem_contact.pyi").read_text(encoding="utf-8"))
 CLASSES = {node.name: node for node in STUB.body if isinstance(node, ast.ClassDef)}
 
@@ -61,13 +62,35 @@ def arguments(thing):
     return [name for name in inspect.signature(thing).parameters if name not in ("self", "cls")]
 
 
+def described_once(thing):
+    """Names that stand once for several functions: in Other Parameters of the class, or of the module."""
+    module = importlib.import_module(thing.__module__)
+    holder = getattr(module, thing.__qualname__.partition(".")[0]) if "." in thing.__qualname__ else module
+    return described(inspect.getdoc(holder) or "", "Other Parameters")
+
+
+def contracts():
+    """The methods whose contract stands elsewhere: in a protocol."""
+    return {name for role in vars(protocols).values() if getattr(role, "_is_protocol", False) for name in vars(role) if not name.startswith("_")}
+
+
+def inherited(name):
+    """Whether a method has its contract in a class above."""
+    owner, _, member = name.partition(".")
+    return bool(member) and any(member in vars(base) for base in PUBLIC[owner].__mro__[1:] if inspect.isclass(PUBLIC[owner]))
+
+
 @pytest.mark.parametrize("name", sorted(PUBLIC))
 def test_every_argument_of_what_users_call_is_described(name):
+    """In its own docstring, or once for several functions, in the protocol of the role, or in the class above."""
     thing = PUBLIC[name]
     names, docstring = described(inspect.getdoc(thing)), inspect.getdoc(thing)
     if getattr(thing, "_is_protocol", False):
         return
-    assert names == arguments(thing) and len(set(names)) == len(names)
+    elsewhere = "." in name and name.partition(".")[2] in contracts() or inherited(name)
+    assert len(set(names)) == len(names) and set(names) <= set(arguments(thing))
+    assert elsewhere or set(names) | set(described_once(thing)) >= set(arguments(thing))
+    assert names == [argument for argument in arguments(thing) if argument in names]
     headings = [heading for heading in sections(docstring) if heading]
     assert headings == [heading for heading in SECTIONS if heading in headings]
     assert all(len(lines) > 0 for lines in sections(docstring).values())

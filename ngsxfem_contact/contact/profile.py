@@ -1,0 +1,95 @@
+"""What is read along a crack, and the state at the nodes that it is read from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..operators import TANGENTIAL, NormalGap, Slip
+from ..points import crack_points
+from ..protocols import Nodes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .solution import ContactSolution
+
+
+@dataclass
+class CrackProfile:
+    """Arrays (n,) along a crack, in the user's units of length and stress.
+
+    Attributes
+    ----------
+    s
+        Arc length.
+    x, y
+        The points.
+    gap
+        g_n ≥ 0.
+    slip
+        g_t.
+    sigma_n
+        λ ≤ 0.
+    sigma_t
+        λ_t with friction, see Profile.
+    """
+
+    s: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    gap: np.ndarray
+    slip: np.ndarray
+    sigma_n: np.ndarray
+    sigma_t: np.ndarray
+
+
+@dataclass
+class State:
+    """Of the nodes where signs are taken.
+
+    Attributes
+    ----------
+    nodes
+        The Nodes of the multipliers.
+    L
+        The multipliers there.
+    moments
+        (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
+    residual
+        Moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
+    p
+        The values whose signs are checked, L = T p.
+    work
+        Of friction in this step, and how far it may be off.
+    """
+
+    nodes: Nodes
+    L: np.ndarray
+    moments: np.ndarray
+    residual: np.ndarray
+    p: np.ndarray | None = None
+    work: tuple[float, float] = (0.0, 0.0)
+
+
+def profile(solution: ContactSolution, crack: int, n: int) -> CrackProfile:
+    """That of a solution at n points of a crack, equally spaced in arc length."""
+    body = solution.body
+    s = np.linspace(0, body.cracks[crack].length, n)
+    points = crack_points(body, crack, s)
+    x, y = np.array([body.cracks[crack].PointAt(si) for si in s]).T
+    gap, slip, sigma_n = (f(points).ravel() for f in (NormalGap(solution.u, body), Slip(solution.u, body), solution.multiplier))
+    if solution.tangential_multiplier:
+        return CrackProfile(s, x, y, gap, slip, sigma_n, solution.tangential_multiplier(points).ravel())
+    # at a tip itself the terms of the stress cancel only in exact arithmetic
+    inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
+    return CrackProfile(s, x, y, gap, slip, sigma_n, solution.Traction(TANGENTIAL, "larger")(inside).ravel())
+
+
+def changes(nodes: Any, crack: int, states: np.ndarray, where: Callable[..., Any]) -> np.ndarray:
+    """Arc lengths half-way between neighbours on a crack whose states differ; nodes: the plane's, which have arc lengths."""
+    pairs = nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack]
+    a, b = states[pairs.T]
+    return nodes.arclengths[pairs[(a != b) & where(a, b)]].mean(axis=1)
