@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from ngsolve import BitArray, CoefficientFunction
 
-    from .._ngsxfem_contact import Crack, CrackedMesh, Piece
+    from .._ngsxfem_contact import Crack, CrackedMesh, Part
 
 LIPS = (1, -1)  # plus and minus
 PULL = 0.05  # stresses are taken this part of the way from a corner to the triangle's centre: they jump, and are infinite at tips
@@ -158,7 +158,7 @@ def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarra
     return points, triangles, parent
 
 
-def flat(piece: Piece, crack: Crack) -> list[Sequence[tuple[float, float]]]:
+def flat(piece: Part, crack: Crack) -> list[Sequence[tuple[float, float]]]:
     """The triangles of a piece; a curved side becomes a polyline with kinks of less than 3 degrees."""
     if piece.curved is None:
         return [piece.triangle]
