@@ -31,9 +31,10 @@ __all__: list[str] = [
     "InnerIntegrals",
     "MeshTraceBasis",
     "NodalTraceBasis",
+    "NumKeptRules",
     "NumNegativePivots",
     "OperatorName",
-    "Piece",
+    "Part",
     "PointOf",
     "SchurComplement",
     "Side",
@@ -47,23 +48,8 @@ __all__: list[str] = [
     "Variation",
 ]
 
-class _Enumeration:
-    """What all enumerations have, for the reader of types: each derives from object."""
-
-    __members__: typing.ClassVar[dict[str, typing.Any]]
-
-    def __index__(self) -> int: ...
-    def __init__(self, value: int) -> None: ...
-    def __int__(self) -> int: ...
-    @property
-    def name(self) -> str: ...
-    @property
-    def value(self) -> int: ...
-
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
-    """
-    A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).
-    """
+    """A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh)."""
 
     def Points(
         self, order: int, space: ngsolve.comp.FESpace | None = None
@@ -113,23 +99,30 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
 
+class _Enumeration:
+    def __index__(self) -> int: ...
+    def __init__(self, value: int) -> None: ...
+    def __int__(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> int: ...
+
 class Side(_Enumeration):
-    """
-    The side of a crack: Plus to the left of its direction of travel, Minus to the right.
+    """The side of a crack: Plus to the left of its direction of travel, Minus to the right.
 
     Members:
 
       Minus
 
-      Plus
-    """
+      Plus"""
 
     Minus: typing.ClassVar[Side]
     Plus: typing.ClassVar[Side]
+    __members__: typing.ClassVar[dict[str, Side]]
 
 class Crack:
-    """
-    An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the
+    """An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the
     minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.
 
     Parameters
@@ -149,8 +142,7 @@ class Crack:
     >>> crack.length, crack.points
     (5.0, [(0.0, 0.0), (3.0, 4.0)])
     >>> crack.SideOf((0, 1))
-    <Side.Plus: 1>
-    """
+    <Side.Plus: 1>"""
 
     @staticmethod
     def Arc(start: tuple[float, float], through: tuple[float, float], end: tuple[float, float]) -> Crack:
@@ -178,10 +170,6 @@ class Crack:
                 pieces, tolerance^(-1/4).
             max_pieces : int
                 The largest number of cubics.
-
-            Returns
-            -------
-            Crack
 
             Raises
             ------
@@ -224,10 +212,6 @@ class Crack:
             max_points : int
                 The largest number of points of the spline.
 
-            Returns
-            -------
-            Crack
-
             Raises
             ------
             ValueError
@@ -253,10 +237,6 @@ class Crack:
                 Two give a segment.
             ends
                 "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
-
-            Returns
-            -------
-            Crack
 
             Raises
             ------
@@ -334,8 +314,7 @@ class Crack:
         """
 
 class ElementKind(_Enumeration):
-    """
-    How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.
+    """How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.
 
     Members:
 
@@ -345,18 +324,16 @@ class ElementKind(_Enumeration):
 
       Tip
 
-      Aligned
-    """
+      Aligned"""
 
     Aligned: typing.ClassVar[ElementKind]
     Cut: typing.ClassVar[ElementKind]
     Tip: typing.ClassVar[ElementKind]
     Uncut: typing.ClassVar[ElementKind]
+    __members__: typing.ClassVar[dict[str, ElementKind]]
 
 class Degeneracy:
-    """
-    The special positions of a crack in an element; each holds to within 1e-10 of the smallest element beside the crack.
-    """
+    """The special positions of a crack in an element; each holds to within 1e-10 of the smallest element beside the crack."""
 
     @property
     def along_edge(self) -> bool:
@@ -388,10 +365,8 @@ class Degeneracy:
         Whether it ends in a vertex.
         """
 
-class Piece:
-    """
-    A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension.
-    """
+class Part:
+    """A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension."""
 
     @property
     def curved(self) -> tuple[float, float] | None:
@@ -412,9 +387,7 @@ class Piece:
         """
 
 class ElementLocation:
-    """
-    Where an element lies with respect to the crack that meets it, and its parts on either side.
-    """
+    """Where an element lies with respect to the crack that meets it, and its parts on either side."""
 
     @property
     def arclength(self) -> tuple[float, float]:
@@ -443,7 +416,7 @@ class ElementLocation:
     @property
     def curved(self) -> bool:
         """
-        Whether the element is curved. Its triangle, pieces and areas are then those of its straight triangle.
+        Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle.
         """
 
     @property
@@ -477,9 +450,9 @@ class ElementLocation:
         """
 
     @property
-    def pieces(self) -> list[Piece]:
+    def parts(self) -> list[Part]:
         """
-        The Pieces into which the crack divides it; one for an aligned element.
+        The Parts into which the crack divides it; one for an aligned element.
         """
 
     @property
@@ -488,15 +461,13 @@ class ElementLocation:
         The three corners (x, y) of the element.
         """
 
-class ElementPart:
-    """
-    A part of an element that cracks meet.
-    """
+class ElementPart(Part):
+    """A Part of an element that one crack or several meet."""
 
     @property
     def crack(self) -> int:
         """
-        The crack that the side and the curved side of the piece belong to.
+        The crack that its side and its curved side belong to.
         """
 
     @property
@@ -506,35 +477,26 @@ class ElementPart:
         """
 
     @property
-    def piece(self) -> Piece:
-        """
-        Its triangle, side and curved side: a Piece.
-        """
-
-    @property
     def sides(self) -> list[Side]:
         """
         With respect to each of the element's cracks.
         """
 
 class EndKind(_Enumeration):
-    """
-    An end of a crack: a Tip inside the body or a Mouth on its boundary.
+    """An end of a crack: a Tip inside the body or a Mouth on its boundary.
 
     Members:
 
       Tip
 
-      Mouth
-    """
+      Mouth"""
 
     Mouth: typing.ClassVar[EndKind]
     Tip: typing.ClassVar[EndKind]
+    __members__: typing.ClassVar[dict[str, EndKind]]
 
 class CrackEnd:
-    """
-    An end of a crack in a mesh.
-    """
+    """An end of a crack in a mesh."""
 
     @property
     def kind(self) -> EndKind:
@@ -555,9 +517,7 @@ class CrackEnd:
         """
 
 class Tip:
-    """
-    A crack end inside the body: point, crack number, direction ahead, and the clearance that a disk of singular functions has.
-    """
+    """A crack end inside the body: point, crack number, direction ahead, and the clearance that a disk of singular functions has."""
 
     @property
     def ahead(self) -> tuple[float, float]:
@@ -579,6 +539,12 @@ class Tip:
         """
 
     @property
+    def distances(self) -> list[tuple[float, str]]:
+        """
+        Pairs (distance, what is there, in words): of the boundary of the body and of the other cracks.
+        """
+
+    @property
     def limit(self) -> str:
         """
         What sets the clearance, in words.
@@ -597,8 +563,7 @@ class Tip:
         """
 
 class CrackedMesh:
-    """
-    A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
+    """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
 
     Parameters
     ----------
@@ -619,8 +584,7 @@ class CrackedMesh:
     An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:
     `notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a
     mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:
-    body.ds("left|right").
-    """
+    body.ds("left|right")."""
 
     def CheckMesh(self) -> None:
         """
@@ -761,37 +725,33 @@ class CrackedMesh:
         """
 
 class CutOff(_Enumeration):
-    """
-    The cut-off χ of the tip functions: cubic is C¹, quintic C².
+    """The cut-off χ of the tip functions: cubic is C¹, quintic C².
 
     Members:
 
       cubic
 
-      quintic
-    """
+      quintic"""
 
+    __members__: typing.ClassVar[dict[str, CutOff]]
     cubic: typing.ClassVar[CutOff]
     quintic: typing.ClassVar[CutOff]
 
 class TipBasis(_Enumeration):
-    """
-    The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.
+    """The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.
 
     Members:
 
       branch
 
-      modes
-    """
+      modes"""
 
+    __members__: typing.ClassVar[dict[str, TipBasis]]
     branch: typing.ClassVar[TipBasis]
     modes: typing.ClassVar[TipBasis]
 
 class TipSpec:
-    """
-    What a space needs to know at one tip; TipEnrichment makes it.
-    """
+    """What a space needs to know at one tip; TipEnrichment makes it."""
 
     def __init__(self, basis: TipBasis, cutoff: CutOff, r0: float, r1: float, kappa: float, mu: float) -> None: ...
     @property
@@ -831,10 +791,8 @@ class TipSpec:
         """
 
 class CrackFESpace(ngsolve.comp.FESpace):
-    """
-    The enriched space; ngsxfem_contact.CrackFESpace builds it from a TipEnrichment. Unknowns in this order: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the
-    same for y, the tips.
-    """
+    """The enriched space; ngsxfem_contact.CrackFESpace builds it from a TipEnrichment. Unknowns in this order: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the
+    same for y, the tips."""
 
     def BoundaryDofs(self) -> list[tuple[numpy.ndarray, numpy.ndarray]]:
         """
@@ -913,17 +871,13 @@ class CrackFESpace(ngsolve.comp.FESpace):
         """
 
 class CrackBilinearForm(ngsolve.comp.BilinearForm):
-    """
-    NGSolve's BilinearForm on a CrackFESpace, with the rows of the tip functions, as long as their disks are large, written directly:
-    the same matrix, assembled faster. Flags as for BilinearForm, but for those that choose another storage.
-    """
+    """NGSolve's BilinearForm on a CrackFESpace, with the rows of the tip functions, as long as their disks are large, written directly:
+    the same matrix, assembled faster. Flags as for BilinearForm, but for those that choose another storage."""
 
     def __init__(self, space: CrackFESpace, name: str = "crack_form", **flags: typing.Any) -> None: ...
 
 class CurveNodes:
-    """
-    Nodes on the cracks, crack by crack, in the order of arc length: one list of arc lengths, increasing, and one of weights for each.
-    """
+    """Nodes on the cracks, crack by crack, in the order of arc length: one list of arc lengths, increasing, and one of weights for each."""
 
     @typing.overload
     def __init__(self, nodes: CurveNodes) -> None: ...
@@ -976,9 +930,7 @@ class CurveNodes:
         """
 
 class TraceSpace(ngsolve.comp.FESpace):
-    """
-    The space of multipliers on the cracks; ngsxfem_contact.TraceSpace builds it from a name.
-    """
+    """The space of multipliers on the cracks; ngsxfem_contact.TraceSpace builds it from a name."""
 
     def __init__(self, body: CrackedMesh, basis: TraceBasis, order: int) -> None: ...
     @property
@@ -1006,9 +958,7 @@ class TraceSpace(ngsolve.comp.FESpace):
         """
 
 class TraceBasis:
-    """
-    The functions of a TraceSpace, and where they live.
-    """
+    """The functions of a TraceSpace, and where they live."""
 
     def Nodes(self) -> CurveNodes:
         """
@@ -1028,29 +978,24 @@ class TraceBasis:
         """
 
 class NodalTraceBasis(TraceBasis):
-    """
-    Lagrange functions between nodes: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.
+    """Lagrange functions: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.
 
     Raises
     ------
     Exception
-        For nodes that do not increase from 0 to the length of each crack.
-    """
+        For a division that does not increase from 0 to the length of each crack."""
 
     def __init__(self, body: CrackedMesh, order: int, division: collections.abc.Sequence[collections.abc.Sequence[float]]) -> None: ...
 
 class MeshTraceBasis(TraceBasis):
-    """
-    Restrictions to the cracks of the P_j functions of the mesh, but for those of the numbers left_out, on which the others must not depend.
-    """
+    """Restrictions to the cracks of the P_j functions of the mesh, but for those of the numbers left_out, on which the others must not depend."""
 
     def __init__(
         self, body: CrackedMesh, order: int, division: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
 
 class Domain(_Enumeration):
-    """
-    What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.
+    """What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.
 
     Members:
 
@@ -1058,17 +1003,15 @@ class Domain(_Enumeration):
 
       Larger
 
-      Crack
-    """
+      Crack"""
 
     Bulk: typing.ClassVar[Domain]
     Crack: typing.ClassVar[Domain]
     Larger: typing.ClassVar[Domain]
+    __members__: typing.ClassVar[dict[str, Domain]]
 
 class FormTerm:
-    """
-    One integral of a form: its measure, and which functions of which spaces it holds.
-    """
+    """One integral of a form: its measure, and which functions of which spaces it holds."""
 
     @property
     def body(self) -> CrackedMesh:
@@ -1148,7 +1091,9 @@ def BorderedMatrix(
     Upper triangle of [A, K^T; K, 0], A on the inner unknowns, in CSR format: (first, column, value). K in CSC format.
     """
 
-def ElementMatrices(form: ngsolve.comp.BilinearForm, elements: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+def ElementMatrices(
+    form: ngsolve.comp.BilinearForm, elements: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]
+) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
     """
     (matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the
     numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1.
@@ -1157,6 +1102,11 @@ def ElementMatrices(form: ngsolve.comp.BilinearForm, elements: typing.Annotated[
 def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
     """
     The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).
+    """
+
+def NumKeptRules(body: CrackedMesh) -> int:
+    """
+    How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.
     """
 
 def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:

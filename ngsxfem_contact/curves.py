@@ -1,7 +1,5 @@
 """Curved cracks from points, parametrised curves and level sets: Crack.Spline, Crack.Curve, Crack.LevelSet."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -16,11 +14,12 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 ENDS = ("not-a-knot", "natural")
+# Annotations are values here: tools/stubs.py reads them.
 Point: TypeAlias = Sequence[float]
 Points: TypeAlias = Sequence[Point] | np.ndarray
 
 
-def of_spline(spline: CubicSpline) -> Crack:
+def of_spline(spline: "CubicSpline") -> Crack:
     """The Crack along a scipy CubicSpline with two components."""
     t, p, d = spline.x, spline(spline.x), spline(spline.x, 1)
     h = np.diff(t)[:, None]
@@ -116,7 +115,7 @@ class NotFitted(Exception):
         self.pieces, self.error = pieces, error
 
 
-def fitted(at: Callable[[np.ndarray], np.ndarray], t: np.ndarray, tolerance: float, max_pieces: int) -> CubicSpline:
+def fitted(at: Callable[[np.ndarray], np.ndarray], t: np.ndarray, tolerance: float, max_pieces: int) -> "CubicSpline":
     """The CubicSpline through points at(t) that deviates by less than the tolerance, its intervals, at first t, divided as often as that takes.
 
     Raises
@@ -196,7 +195,7 @@ class LevelSetChain:
             )
         return values
 
-    def Points(self) -> LevelSetChain:
+    def Points(self) -> "LevelSetChain":
         """Finds them where φ = 0 crosses edges, cut off at ψ = 0."""
         vertices = np.array([v.point for v in self.mesh.vertices])
         edges = np.array([[v.nr for v in edge.vertices] for edge in self.mesh.edges])

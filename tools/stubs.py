@@ -15,6 +15,7 @@ TYPES = {
     "ngsolve.comp.FESpace = None": "ngsolve.comp.FESpace | None = None",
     "-> tuple:": "-> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:",  # OnCrack, BorderedMatrix
     "-> list:": "-> list[tuple[numpy.ndarray, numpy.ndarray]]:",  # BoundaryDofs
+    "body: ...)": "body: CrackedMesh)",  # of NumKeptRules, exported before its class
     "*args": "*cracks: Crack",  # of Crack.Join and CrackedMesh
     "**kwargs": "**flags: typing.Any",  # of NGSolve's spaces and forms
     "typing.SupportsInt | typing.SupportsIndex": "int",
