@@ -145,7 +145,7 @@ def study(arguments):
             uncracked = uncracked_matrices(mesh, order)
             for tip in arguments.tips if body.tips else ["none"]:
                 try:
-                    values = measure(CrackFESpace(body, order=order, tip=enrichment(tip)), order, uncracked)
+                    values = measure(CrackFESpace(body, order=order, tip=enrichment(tip)), uncracked)
                 except np.linalg.LinAlgError as error:
                     print(f"FAILED: {name}, P{order}, {tip}: {error}")
                     continue
@@ -166,7 +166,7 @@ def disks():
         body = CrackedMesh(mesh, Crack([(-0.5 / np.cos(0.1), 0), (0, 0)]))
         for tip in ("modes", "branch"):
             for r1 in (0.1, 0.2, 0.45):
-                found = measure(CrackFESpace(body, order=order, tip=TipEnrichment(r1=r1, material=MATERIAL, functions=tip)), order, uncracked)
+                found = measure(CrackFESpace(body, order=order, tip=TipEnrichment(r1=r1, material=MATERIAL, functions=tip)), uncracked)
                 print(
                     f"P{order:<5}{tip:8}{h:7}{r1 / h:6.1f}" + "".join(f"{found[name]:19.3g}" for name in ("shifted", "blocks", "blocks, corrected")), flush=True
                 )

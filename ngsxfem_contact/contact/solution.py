@@ -58,13 +58,6 @@ class ContactSolution:
     case
         The load of this step: F, and the terms it comes from.
 
-    Other Parameters
-    ----------------
-    crack : int
-        Number of the crack.
-    tip : int
-        A number in `body.tips`.
-
     Attributes
     ----------
     u : GridFunction
@@ -75,6 +68,13 @@ class ContactSolution:
         λ_t; None without friction.
     a : StiffnessForm
         The springs and joints of the solve.
+
+    Other Parameters
+    ----------------
+    crack : int
+        Number of the crack.
+    tip : int
+        A number in `body.tips`.
     """
 
     def __init__(

@@ -25,6 +25,7 @@ class MaximumHoopStress:
 
     Examples
     --------
+    >>> from math import degrees
     >>> round(degrees(MaximumHoopStress().Angle(K_I=0, K_II=1)), 2)
     -70.53
     """

@@ -36,7 +36,15 @@ LIPS = {1: ("plus lip", "tab:red"), -1: ("minus lip", "tab:blue")}
 
 
 def von_mises(material: Isotropic, strain: CoefficientFunction) -> CoefficientFunction:
-    """The von Mises stress of a 2 × 2 strain, in the unit of lam and mu."""
+    """The von Mises stress of a strain, in the unit of lam and mu.
+
+    Parameters
+    ----------
+    material : Elasticity
+        Of the body.
+    strain : CoefficientFunction
+        A 2 × 2 matrix.
+    """
     return material.VonMises(material.Stress(strain))
 
 

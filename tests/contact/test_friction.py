@@ -391,7 +391,7 @@ def test_answer_of_newton_does_not_depend_on_r(factor):
     """The parameter of the projection (39), which the nodal methods take."""
     reduced = ReducedProblem(problem := coarse(friction=Coulomb(0.3)))
     T, Q = reduced.Signs(problem.cone)
-    q, threshold = T.T @ (reduced.case.g - reduced.system.G), problem.friction.Threshold(problem.W, problem.cone)
+    q, threshold = T.T @ (reduced.case.g - reduced.system.G), problem.friction.Threshold(problem.W.nodes, problem.cone)
     start = first_states(Q, q, threshold, np.zeros(problem.W.ndof, dtype=bool))
     usual, other = (FullNewton().Solve(Q, q, threshold, r / np.diag(Q), start, 100).p for r in (1, factor))
     assert np.abs(other - usual).max() < 1e-9 * np.abs(usual).max()

@@ -107,7 +107,7 @@ def test_condition_numbers_do_not_depend_on_the_position(kind, displacement):
     mesh, crack, _ = adversarial.position(kind, 0, displacement)
     for order in (1, 2):
         V = CrackFESpace(CrackedMesh(mesh, crack), order=order, tip=None)
-        found = conditioning.measure(V, order, conditioning.uncracked_matrices(mesh, order))
+        found = conditioning.measure(V, conditioning.uncracked_matrices(mesh, order))
         assert found["blocks, corrected"] < 5  # 1.2 to 2.5 measured
     assert kind != "along edges" or found["shifted"] > 10 * found["blocks"]  # P2, by the diagonal
 

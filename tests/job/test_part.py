@@ -294,7 +294,9 @@ def test_spaces(tmp_path):
 def test_a_mesh_with_curved_elements(tmp_path):
     OCCGeometry(WorkPlane().Circle(1).Face(), dim=2).GenerateMesh(maxh=0.5).Save(str(tmp_path / "disk.vol"))
     text = SQUARE.format(crack="polyline = [[-0.5, 0.02], [0.5, 0.02]]")
-    text = text.replace("rectangle = [[0, 0], [1, 1]]\nmaxh = 0.2", 'file = "disk.vol"\ncurve = 3').replace('boundary = "bottom"', 'boundary = ".*"')
+    text = text.replace("mesh.rectangle = [[0, 0], [1, 1]]\nmesh.maxh = 0.2", 'mesh.file = "disk.vol"\nmesh.curve = 3').replace(
+        'boundary = "bottom"', 'boundary = ".*"'
+    )
     part = part_of(tmp_path, text)  # the file is looked for beside the part
     assert Integrate(CF(1) * dx, part.problem.V.mesh) == pytest.approx(pi, rel=1e-3)
 

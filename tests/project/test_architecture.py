@@ -55,7 +55,7 @@ PLANE_ONLY = {"trace_space.cpp", "trace_space.hpp", "curve_nodes.cpp", "curve_no
 
 @pytest.mark.parametrize("path", [path for path in CPP_FILES if path.parent.name in ("forms", "spaces") and path.name not in PLANE_ONLY], ids=name_of)
 def test_spaces_and_forms_ask_for_geometry_by_the_interface(path):
-    """What cut_geometry.hpp offers, and the tips: neither curves nor where they lie in elements."""
+    """What cpp/cut/cut_geometry.hpp offers, and the tips: neither curves nor where they lie in elements."""
     inside = re.compile(r"\b(GetCrack|Cracks|Location|CrackLocation|ElementLocation|location|chords|BoundaryEdges)\b")
     assert inside.search((ROOT / "cpp/spaces/trace_space.cpp").read_text(encoding="utf-8"))
     assert not inside.findall(path.read_text(encoding="utf-8"))

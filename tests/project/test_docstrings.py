@@ -65,7 +65,8 @@ def arguments(thing):
 def described_once(thing):
     """Names that stand once for several functions: in Other Parameters of the class, or of the module."""
     module = importlib.import_module(thing.__module__)
-    holder = getattr(module, thing.__qualname__.partition(".")[0]) if "." in thing.__qualname__ else module
+    owner, _, member = thing.__qualname__.partition(".")
+    holder = getattr(module, owner) if member and hasattr(module, owner) else module
     return described(inspect.getdoc(holder) or "", "Other Parameters")
 
 
@@ -77,7 +78,7 @@ def contracts():
 def inherited(name):
     """Whether a method has its contract in a class above."""
     owner, _, member = name.partition(".")
-    return bool(member) and any(member in vars(base) for base in PUBLIC[owner].__mro__[1:] if inspect.isclass(PUBLIC[owner]))
+    return bool(member) and any(member in vars(base) for base in getattr(PUBLIC.get(owner), "__mro__", ())[1:])
 
 
 @pytest.mark.parametrize("name", sorted(PUBLIC))

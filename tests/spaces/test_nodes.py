@@ -8,7 +8,7 @@ from ngsolve import CF, GridFunction, x, y
 from ngsxfem_contact import Crack, CrackedMesh, TraceSpace
 from ngsxfem_contact.contact.cones import CONES
 from ngsxfem_contact.contact.nitsche import CrackPoints
-from ngsxfem_contact.spaces.nodes import Nodes
+from ngsxfem_contact.protocols import Nodes
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 
