@@ -29,9 +29,10 @@ __all__: list[str] = [
     "InnerIntegrals",
     "MeshTraceBasis",
     "NodalTraceBasis",
+    "NumKeptRules",
     "NumNegativePivots",
     "OperatorName",
-    "Piece",
+    "Part",
     "PointOf",
     "SchurComplement",
     "Side",
@@ -304,7 +305,7 @@ class Degeneracy:
         Whether it ends in a vertex.
         """
 
-class Piece:
+class Part:
     """
     A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension.
     """
@@ -359,7 +360,7 @@ class ElementLocation:
     @property
     def curved(self) -> bool:
         """
-        Whether the element is curved. Its triangle, pieces and areas are then those of its straight triangle.
+        Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle.
         """
 
     @property
@@ -393,9 +394,9 @@ class ElementLocation:
         """
 
     @property
-    def pieces(self) -> list[Piece]:
+    def parts(self) -> list[Part]:
         """
-        The Pieces into which the crack divides it; one for an aligned element.
+        The Parts into which the crack divides it; one for an aligned element.
         """
 
     @property
@@ -404,27 +405,21 @@ class ElementLocation:
         The three corners (x, y) of the element.
         """
 
-class ElementPart:
+class ElementPart(Part):
     """
-    A part of an element that cracks meet.
+    A Part of an element that one crack or several meet.
     """
 
     @property
     def crack(self) -> int:
         """
-        The crack that the side and the curved side of the piece belong to.
+        The crack that its side and its curved side belong to.
         """
 
     @property
     def larger(self) -> list[bool]:
         """
         For each of the element's cracks: whether this belongs to the larger part beside it.
-        """
-
-    @property
-    def piece(self) -> Piece:
-        """
-        Its triangle, side and curved side: a Piece.
         """
 
     @property
@@ -501,6 +496,12 @@ class Tip:
     def crack(self) -> int:
         """
         The number of its crack in body.cracks.
+        """
+
+    @property
+    def distances(self) -> list[tuple[float, str]]:
+        """
+        Pairs (distance, what is there, in words): of the boundary of the body and of the other cracks.
         """
 
     @property
@@ -1018,6 +1019,11 @@ def BorderedMatrix(
 def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
     """
     The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).
+    """
+
+def NumKeptRules(body: ...) -> int:
+    """
+    How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.
     """
 
 def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:
