@@ -1021,7 +1021,7 @@ def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcor
     The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).
     """
 
-def NumKeptRules(body: ...) -> int:
+def NumKeptRules(body: CrackedMesh) -> int:
     """
     How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.
     """
