@@ -268,4 +268,5 @@ void ExportGeometry (py::module & m)
   ExportCrack(m);
   ExportLocation(m);
   ExportCrackedMesh(m);
+  m.def("NumKeptRules", &NumKeptRules, py::arg("body"), "How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.");
 }

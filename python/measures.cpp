@@ -81,8 +81,6 @@ void ExportMeasures (py::module & m)
   m.def("Variation", &MakeVariation, py::arg("form"),
         "An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve.");
 
-  m.def("NumKeptRules", &NumKeptRules, py::arg("body"), "How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.");
-
   m.def("InnerIntegrals", &InnerIntegrals, py::arg("form"), py::arg("elements"),
         "The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).");
 
