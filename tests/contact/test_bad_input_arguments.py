@@ -3,7 +3,7 @@
 from math import inf, nan
 
 import pytest
-from ngsolve import CF, L2, GridFunction, Mesh, SetNumThreads, x, y
+from ngsolve import CF, L2, GridFunction, Mesh, x, y
 
 from ngsxfem_contact import Crack, CrackFESpace, CrackGrowth, Elasticity, TraceSpace
 from ngsxfem_contact.algebra import FixedPoint, FullNewton
@@ -14,8 +14,6 @@ from ngsxfem_contact.spaces import Interpolant, Projection
 from study.paper import BODY_FORCE, MATERIAL, paper_problem, unstructured_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
-
-SetNumThreads(1)
 
 MESH = unstructured_mesh(0.2)
 PROBLEM = paper_problem(MESH, pair="P1/P0")

@@ -3,7 +3,7 @@
 from math import nan
 
 import pytest
-from ngsolve import CF, VERTEX, NodeId, SetNumThreads, x
+from ngsolve import CF, VERTEX, NodeId, x
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.errors import SingularSystem
@@ -11,8 +11,6 @@ from ngsxfem_contact.exact.closed_forms import rotated_square
 from study.paper import unstructured_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
-
-SetNumThreads(1)
 
 MATERIAL = Elasticity(1, 1)
 MESH = unstructured_mesh(0.1)

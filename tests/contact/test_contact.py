@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import MATERIAL, OFFSET, array, matrix, on_crack, rotated_problem, vector
-from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, IfPos, InnerProduct, Integrate, Mesh, SetNumThreads, Sym, Trace, x, y
+from ngsolve import CF, L2, BilinearForm, Grad, GridFunction, Id, IfPos, InnerProduct, Integrate, Mesh, Sym, Trace, x, y
 from scipy.linalg import eigh
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Strain, TipEnrichment, TraceSpace
@@ -22,8 +22,6 @@ from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.loads.mouths import mouth_weight
 from ngsxfem_contact.spaces.trace_space import mass_matrix
 from study.paper import PAIRS, paper_problem, unstructured_mesh
-
-SetNumThreads(1)  # these problems are too small to gain from threads
 
 DATA = Path(__file__).parents[1] / "data"
 

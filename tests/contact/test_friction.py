@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from helpers import MATERIAL, OFFSET, array, matrix, rotated_problem
-from ngsolve import CF, BilinearForm, Id, IfPos, InnerProduct, Integrate, Parameter, SetNumThreads, Trace, sin, x, y
+from ngsolve import CF, BilinearForm, Id, IfPos, InnerProduct, Integrate, Parameter, Trace, sin, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Slip, Strain, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra import FixedPoint, FullNewton
@@ -31,8 +31,6 @@ from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.errors import NotCoercive, NotConverged
 from ngsxfem_contact.exact import closed_forms as cf
 from study.paper import BODY_FORCE, FRICTION_REFERENCE, PAIRS, TRACTION, paper_problem, unstructured_mesh
-
-SetNumThreads(1)  # these problems are too small to gain from threads
 
 MESH = unstructured_mesh(0.06)
 

@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 from helpers import rectangle
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, VOL, ElementId, IfPos, Mesh, SetNumThreads, specialcf, x, y
+from ngsolve import CF, VOL, ElementId, IfPos, Mesh, specialcf, x, y
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
 from study.paper import PAIRS
-
-SetNumThreads(1)
 
 STEEL, RUBBER = Elasticity(lam=1.5, mu=1), Elasticity(lam=0.2, mu=0.05)
 

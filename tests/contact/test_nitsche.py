@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from helpers import MATERIAL, array, random_function, rotated_problem
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, Mesh, SetNumThreads
+from ngsolve import CF, Mesh
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, NormalGap, Slip, Strain, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra.matrices import to_scipy
@@ -15,8 +15,6 @@ from ngsxfem_contact.errors import NotCoercive
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.operators import NormalStress, TangentialStress
 from study.paper import FRICTION_REFERENCE, PAIRS, REFERENCE, paper_problem, unstructured_mesh
-
-SetNumThreads(1)  # these problems are too small to gain from threads
 
 MESH = unstructured_mesh(0.06)
 THETAS = [1, 0, -1]

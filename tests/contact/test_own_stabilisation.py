@@ -7,14 +7,12 @@ from math import isnan
 import numpy as np
 import pytest
 from helpers import rectangle
-from ngsolve import CF, SetNumThreads, x
+from ngsolve import CF, x
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, Nitsche, TipEnrichment, TraceSpace
 from ngsxfem_contact.contact import BothSides
 from ngsxfem_contact.contact.options import StepOptions
 from ngsxfem_contact.errors import NotCoercive, SingularSystem
-
-SetNumThreads(1)
 
 MATERIAL = Elasticity.PlaneStrain(E=7, nu=0.3)
 

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ngsolve import SetNumThreads
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
@@ -20,8 +19,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 import adversarial  # noqa: E402
 import conditioning  # noqa: E402
 from positions import adversarial_position, closed_position, random_position, solve_closed  # noqa: E402
-
-SetNumThreads(1)
 
 
 @pytest.mark.parametrize("pair", PAIRS)

@@ -4,14 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from ngsolve import SetNumThreads
 
 from ngsxfem_contact import Coulomb, LoadSteps, Nitsche
 from ngsxfem_contact.algebra import FixedPoint
 from ngsxfem_contact.contact.report import Report
 from study.paper import paper_problem, unstructured_mesh
-
-SetNumThreads(1)
 
 MESH = unstructured_mesh(0.1)
 PLAIN = ["unknowns", "direct solver", "converged", "in contact", "residual", "complementarity", "seconds"]

@@ -6,7 +6,7 @@
 import numpy as np
 import pytest
 from helpers import array
-from ngsolve import CF, BilinearForm, BitArray, Grad, InnerProduct, LinearForm, SetNumThreads, VectorH1, dx
+from ngsolve import CF, BilinearForm, BitArray, Grad, InnerProduct, LinearForm, VectorH1, dx
 from scipy.sparse import random_array, vstack
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadCase, LoadSteps, TipEnrichment, TraceSpace
@@ -18,8 +18,6 @@ from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.errors import NotCoercive, NotConverged, SingularSystem
 from ngsxfem_contact.spaces.unknowns import Unknowns
 from study.paper import PAIRS, paper_problem, unstructured_mesh
-
-SetNumThreads(1)
 
 MATERIAL = Elasticity(lam=1, mu=1)
 MESH = unstructured_mesh(0.06)

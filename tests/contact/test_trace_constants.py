@@ -14,8 +14,6 @@ from ngsxfem_contact.contact.stabilisation import BarbosaHughes, tip_weight, tra
 from ngsxfem_contact.loads.face_traction import ComparedTraction
 from ngsxfem_contact.operators import NORMAL, TANGENTIAL, NormalGap, Strain
 
-SetNumThreads(1)
-
 MATERIAL = Elasticity.PlaneStrain(E=7, nu=0.3)
 CRACKS = {"one": [Crack([(0, 0.5), (0.5, 0.52)])], "two in one element": [Crack([(0.2, 0.5), (0.7, 0.51)]), Crack([(0.3, 0.57), (0.6, 0.56)])]}
 

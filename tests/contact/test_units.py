@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from helpers import rectangle
-from ngsolve import CF, Mesh, SetNumThreads, x
+from ngsolve import CF, Mesh, x
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, TipEnrichment, TraceSpace, Tresca
 from ngsxfem_contact.algebra import pardiso
@@ -13,8 +13,6 @@ from ngsxfem_contact.algebra.elimination import Elimination
 from ngsxfem_contact.contact.checks import Coercivity
 from ngsxfem_contact.contact.stabilisation import trace_constants
 from ngsxfem_contact.spaces.unknowns import Unknowns
-
-SetNumThreads(1)
 
 UNITS = [(E, length) for E, length in product((1e-12, 1, 1e12), (1e-6, 1, 1e6)) if (E, length) != (1, 1)]
 CORNERS = [(E, length) for E, length in UNITS if E != 1 and length != 1]

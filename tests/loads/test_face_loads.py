@@ -5,27 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from helpers import rectangle
-from ngsolve import (
-    BND,
-    CF,
-    BilinearForm,
-    Grad,
-    GridFunction,
-    IfPos,
-    InnerProduct,
-    Integrate,
-    Parameter,
-    SetNumThreads,
-    Sym,
-    VectorH1,
-    ds,
-    dx,
-    exp,
-    specialcf,
-    sqrt,
-    x,
-    y,
-)
+from ngsolve import BND, CF, BilinearForm, Grad, GridFunction, IfPos, InnerProduct, Integrate, Parameter, Sym, VectorH1, ds, dx, exp, specialcf, sqrt, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, Plus, TipEnrichment, TraceSpace
 from ngsxfem_contact.contact import BarbosaHughes, BothSides, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche
@@ -33,8 +13,6 @@ from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.exact.closed_forms import open_tip
 from ngsxfem_contact.operators import NormalGap
 from study.paper import PAIRS
-
-SetNumThreads(1)
 
 MATERIAL = Elasticity.PlaneStrain(E=1, nu=0.3)
 THROUGH, INSIDE, ARC = Crack([(0, 0.47), (1, 0.52)]), Crack([(0.21, 0.47), (0.8, 0.52)]), Crack.Arc((0.2, 0.45), (0.5, 0.55), (0.8, 0.45))

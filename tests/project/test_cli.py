@@ -11,14 +11,11 @@ from pathlib import Path
 
 import matplotlib.figure
 import pytest
-from ngsolve import SetNumThreads
 
 from ngsxfem_contact import __main__ as cli
 from ngsxfem_contact.files import write_whole
 from ngsxfem_contact.job.part import EXAMPLE, read_part
 from study.paper import REFERENCE
-
-SetNumThreads(1)
 
 FILES = {"summary.txt", "summary.json", "profile.csv", "solution.vtu", "body.png", "profile.png"}
 COARSE = ["--maxh", "0.4"]

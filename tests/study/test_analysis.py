@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from ngsolve import CF, IfPos, Mesh, SetNumThreads, unit_square, y
+from ngsolve import CF, IfPos, Mesh, unit_square, y
 from ngsolve import x as X
 
 from study import analysis
 from study.paper import PAIRS, REFERENCE
-
-SetNumThreads(1)  # these problems are too small to gain from threads
 
 SMALLEST = 1e-6  # elements at the tip; stresses are then fitted from r = 2e-5 to 2e-3
 

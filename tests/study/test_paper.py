@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from netgen.meshing import Element1D, Element2D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import Mesh, SetNumThreads
+from ngsolve import Mesh
 
 from ngsxfem_contact import BarbosaHughes
 from ngsxfem_contact.contact import Coercivity
 from ngsxfem_contact.errors import SingularSystem
 from study.paper import PAIRS, REFERENCE, paper_problem, unstructured_mesh
-
-SetNumThreads(1)  # these problems are too small to gain from threads
 
 DATA = Path(__file__).parents[1] / "data"
 MESHES = ["u0.088", "u0.057", "u0.03"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ngsolve import Integrate, SetNumThreads
+from ngsolve import Integrate
 
 from ngsxfem_contact import BarbosaHughes, NormalGap
 from ngsxfem_contact.contact import BothSides
@@ -17,8 +17,6 @@ from ngsxfem_contact.files import UnreadableFile, only_one
 from study import __main__ as cli
 from study.paper import MATERIAL, PAIRS, paper_problem
 from study.study import ErrorMeasure, Reference, Study, oscillation, read_records, reference_solution, structured_mesh
-
-SetNumThreads(1)  # these problems are too small to gain from threads
 
 
 @pytest.fixture(scope="module")
