@@ -65,6 +65,8 @@ $(VENV)/venv.stamp:
 	  echo "  on Debian/Ubuntu: sudo apt-get install python3 python3-venv python3-dev"; exit 1; }
 	@$(PYTHON) tools/check_prerequisites.py
 	$(PYTHON) -m venv $(VENV)
+	@# `study`, beside the package, is found from every folder, after what is installed
+	echo $(CURDIR) > $$($(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/study.pth
 	touch $@
 
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)

@@ -8,7 +8,6 @@ The first set counts as an iteration, as in `report.iterations`; iterations on c
 import argparse
 
 import numpy as np
-import repository  # noqa: F401
 from ngsolve import ngsglobals
 from results import recorded
 

@@ -4,7 +4,6 @@ python benchmarks/closed_forms.py [a b c d arc] [--realisations 10]
 """
 
 import numpy as np
-import repository  # noqa: F401
 from ngsolve import TaskManager, ngsglobals
 from results import cases_of, recorded
 from scipy.optimize import brentq

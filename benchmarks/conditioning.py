@@ -15,7 +15,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import repository  # noqa: F401
 from ngsolve import BilinearForm, Grad, InnerProduct, Sym, VectorH1, dx, ngsglobals
 from results import recorded
 from scipy.linalg import eigh

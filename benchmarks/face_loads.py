@@ -4,7 +4,6 @@ python benchmarks/face_loads.py
 """
 
 import numpy as np
-import repository  # noqa: F401
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, IfPos, Integrate, Mesh, SetNumThreads, specialcf, sqrt, x, y
 from results import recorded

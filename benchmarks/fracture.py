@@ -9,7 +9,6 @@ of the enrichment's coefficients.
 import argparse
 
 import numpy as np
-import repository  # noqa: F401
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, ngsglobals, x
 from results import recorded

@@ -4,7 +4,6 @@ python benchmarks/friction.py [e stick reference] [--realisations 10]
 """
 
 import numpy as np
-import repository  # noqa: F401
 from closed_forms import report
 from ngsolve import TaskManager, ngsglobals
 from results import cases_of, recorded

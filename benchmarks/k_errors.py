@@ -9,7 +9,6 @@ Fitted: `shapes`, the loads A, B, C of the paper, C with friction, and a single 
 import argparse
 
 import numpy as np
-import repository  # noqa: F401
 from closed_forms import ARC, arc_body
 from fracture import PLATES, rectangle
 from ngsolve import CF, ngsglobals

@@ -9,7 +9,6 @@ import argparse
 import json
 from pathlib import Path
 
-import repository  # noqa: F401
 from ngsolve import Mesh, TaskManager, ngsglobals
 from results import recorded
 

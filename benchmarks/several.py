@@ -8,7 +8,6 @@ import argparse
 from collections import Counter
 
 import numpy as np
-import repository  # noqa: F401
 from bodies import boundary_segments, random_crack, random_mesh, ray_to_boundary
 from ngsolve import CF, ngsglobals, sin, x, y
 from results import recorded

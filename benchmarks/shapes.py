@@ -6,7 +6,6 @@ python benchmarks/shapes.py [--maxh 0.08 0.05 0.03] [--pairs P2/P1]
 import argparse
 
 import numpy as np
-import repository  # noqa: F401
 from results import recorded
 
 from study.shapes import KINK, SHAPES, body_mesh, deviations, shape_problem

@@ -15,7 +15,6 @@ import sys
 from statistics import median
 from time import perf_counter, process_time
 
-import repository  # noqa: F401
 from ngsolve import BilinearForm, Grad, InnerProduct, LinearForm, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals
 from results import recorded
 

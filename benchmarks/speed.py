@@ -22,7 +22,6 @@ from tempfile import NamedTemporaryFile
 from time import perf_counter
 
 import numpy as np
-import repository  # noqa: F401
 from netgen.geom2d import SplineGeometry
 from ngsolve import BilinearForm, Grad, InnerProduct, LinearForm, Mesh, SetNumThreads, Sym, TaskManager, VectorH1, dx, ngsglobals  # fmt: skip
 from results import recorded

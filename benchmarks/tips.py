@@ -5,7 +5,6 @@ python benchmarks/tips.py [--h 0.088 0.057 0.03 0.016 0.008]
 
 import argparse
 
-import repository  # noqa: F401
 from ngsolve import TaskManager, ngsglobals
 from results import recorded
 

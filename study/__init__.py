@@ -3,7 +3,7 @@
     python -m study             the convergence and γ_0 studies, with the figures of the paper
     python -m study.analysis    its analysis by number
 
-both in the folder above this one.
+It lies beside the package, in its sources; the environment of `make` finds it from every folder.
 """
 
 import sys

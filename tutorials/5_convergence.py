@@ -9,16 +9,13 @@
 # solution on 45 × 45 squares.
 
 # %%
-import sys
 import tempfile
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 from ngsolve import *
 from ngsxfem_contact import *
 
-# the folder `study` is not installed: it lies in one of the folders above this file, or above where this notebook runs
-sys.path += map(str, Path(globals().get("__file__", "notebook")).resolve().parents)
+# the folder `study` lies beside the package, in its sources; the environment of `make` finds it
 from study import figures
 from study.study import Study
 

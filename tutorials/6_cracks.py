@@ -5,8 +5,6 @@
 # each, and shows what is refused.
 
 # %%
-import sys
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,8 +13,7 @@ from ngsolve import *
 from ngsxfem_contact import *
 from ngsxfem_contact.plotting import plot_body, plot_mesh, plot_profile
 
-# the folder `study` is not installed: it lies in one of the folders above this file, or above where this notebook runs
-sys.path += map(str, Path(globals().get("__file__", "notebook")).resolve().parents)
+# the folder `study` lies beside the package, in its sources; the environment of `make` finds it
 from study.shapes import SHAPES, body_mesh, deviations, shape_problem
 
 geometry = SplineGeometry()

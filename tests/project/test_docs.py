@@ -282,4 +282,4 @@ def test_every_benchmark_is_listed_and_keeps_results():
     listed = re.findall(r"^\| `(\w+\.py)` \|", (ROOT / "benchmarks" / "README.md").read_text(encoding="utf-8"), re.M)
     scripts = {path.name for path in (ROOT / "benchmarks").glob("*.py") if "recorded(main)" in path.read_text(encoding="utf-8")} - {"results.py"}
     assert sorted(listed) == sorted(scripts)
-    assert {path.name for path in (ROOT / "benchmarks").glob("*.py")} - scripts == {"adversarial.py", "bodies.py", "repository.py", "results.py"}
+    assert {path.name for path in (ROOT / "benchmarks").glob("*.py")} - scripts == {"adversarial.py", "bodies.py", "results.py"}
