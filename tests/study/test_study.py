@@ -196,4 +196,4 @@ def test_it_does_not_hide_the_installed_package():
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     run = subprocess.run([sys.executable, "-c", "import study, sys; print(*sys.path, sep='\\n')"], cwd=root, env=environment, capture_output=True, text=True)
     path = run.stdout.splitlines()
-    assert path[-1] == str(root) and not {"", str(root)} & set(path[:-1])
+    assert "" not in path and set(path[path.index(str(root)) :]) == {str(root)}
