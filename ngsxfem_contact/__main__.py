@@ -134,7 +134,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def main_of_study(arguments: Sequence[str]) -> int:
     """`python -m study`, where the sources of the package are at hand; returns its exit code."""
     if importlib.util.find_spec("study") is None:
-        print("there is no `study` here: it lies beside the package, in its sources; run `python -m study` in their folder, with the environment of its `make`", file=sys.stderr)
+        print(
+            "there is no `study` here: it lies beside the package, in its sources; run `python -m study` in their folder, with the environment of its `make`",
+            file=sys.stderr,
+        )
         return 2
     from study.__main__ import main
 

@@ -56,19 +56,8 @@ namespace ngsxfem_contact
       {
         std::vector<Point> p;
         for (auto & pair : pairs) p.push_back(ToPoint(pair));
-        if (kind == "segment" && p.size() == 2) pieces.push_back(MakeSegment(p[0], p[1]));
-        else if (kind == "arc" && p.size() == 3) pieces.push_back(MakeArc(p[0], p[1], p[2]));
-        else if (kind == "cubic" && p.size() == 4)
-          for (auto & piece : MakeCubic(p[0], p[1], p[2], p[3])) pieces.push_back(piece);
-        else throw ngcore::Exception("Crack: a piece is ('segment', [a, b]), ('arc', [start, through, end]) or ('cubic', [p0, d0, p1, d1]), got '"
-                                     + kind + "' with " + std::to_string(p.size()) + " points");
+        for (auto & piece : MakePieces(kind, p)) pieces.push_back(piece);
       }
     return Crack(pieces);
-  }
-
-  inline bool IsPolyline (const Crack & crack)
-  {
-    for (auto & piece : crack.Pieces()) if (!piece->IsStraight()) return false;
-    return true;
   }
 }

@@ -12,14 +12,6 @@ static const Crack & AsCrack (py::handle item, const char * who)
   return item.cast<const Crack &>();
 }
 
-/// Within the crack but for round-off.
-static double ArcLengthOn (const Crack & crack, double s)
-{
-  if (!(s >= -1e-10*crack.Length() && s <= (1+1e-10)*crack.Length()))
-    throw ngcore::Exception("Crack: arc length " + std::to_string(s) + " is outside of 0 to " + std::to_string(crack.Length()));
-  return std::clamp(s, 0.0, crack.Length());
-}
-
 static Point FinitePoint (Pair p)
 {
   if (!std::isfinite(p.first) || !std::isfinite(p.second)) throw ngcore::Exception("Crack: the point " + ToString(ToPoint(p)) + " is not finite");
@@ -63,11 +55,11 @@ static void ExportCrack (py::module & m)
            return kinks;
          }, "Arc lengths at which the direction jumps; of a polyline all inner points.")
     .def_property_readonly("length", &Crack::Length, "The arc length from end to end, in the user's unit of length.")
-    .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(ArcLengthOn(c, s))); }, py::arg("s"), "The point (x, y) at arc length s, 0 ≤ s ≤ length.")
-    .def("TangentAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); return ToPair(c.Tangent(c.PieceAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
-    .def("CurvatureAt", [] (const Crack & c, double s) { s = ArcLengthOn(c, s); size_t i = c.PieceAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
+    .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(c.Checked(s))); }, py::arg("s"), "The point (x, y) at arc length s, 0 ≤ s ≤ length.")
+    .def("TangentAt", [] (const Crack & c, double s) { s = c.Checked(s); return ToPair(c.Tangent(c.PieceAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
+    .def("CurvatureAt", [] (const Crack & c, double s) { s = c.Checked(s); size_t i = c.PieceAt(s); return c.Piece(i).Curvature(s-c.ArcLength(i)); },
          py::arg("s"), "The curvature at arc length s, > 0 where the crack turns left.")
-    .def("Outline", [] (const Crack & c, double turn) { return ToPairs(c.Outline(turn)); }, py::arg("turn") = 0.05,
+    .def("Outline", [] (const Crack & c, double turn) { return ToPairs(c.Outline(turn)); }, py::arg("turn") = Crack::turn_in_pictures,
          "Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.")
     .def("ArcLength", [] (const Crack & c, Pair p) { return c.ArcLength(c.Nearest(FinitePoint(p))); }, py::arg("point"), "Arc length of the nearest point of the crack.")
     .def("Distance", [] (const Crack & c, Pair p) { return c.Nearest(FinitePoint(p)).distance; }, py::arg("point"), "Distance to the nearest point of the crack.")
@@ -75,7 +67,7 @@ static void ExportCrack (py::module & m)
          "The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself.")
     .def_property_readonly("side", [] (const Crack & c) -> shared_ptr<CoefficientFunction> { return make_shared<CrackSide>(c); },
                            "H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.")
-    .def("__repr__", [] (const Crack & c) { return IsPolyline(c) ? py::str("Crack({})").format(PointsOf(c)) : py::str("Crack.OfPieces({})").format(PiecesOf(c)); })
+    .def("__repr__", [] (const Crack & c) { return c.IsPolyline() ? py::str("Crack({})").format(PointsOf(c)) : py::str("Crack.OfPieces({})").format(PiecesOf(c)); })
     .def(py::pickle([] (const Crack & c) { return py::make_tuple(PiecesOf(c)); },
                     [] (py::tuple state) { return CrackOfPieces(state[0].cast<PieceDescriptions>()); }));
 }
@@ -135,49 +127,21 @@ static void ExportLocation (py::module & m)
     .def("__repr__", [] (const Tip & t) { return py::str("Tip(point={}, crack={}, clearance={:.6g})").format(ToPair(t.point), t.crack, t.clearance); });
 }
 
-/// Elements and reference coordinates of points on a crack, each in an element that carries that part of it.
-static py::tuple OnCrack (const CrackedMesh & body, size_t c, const std::vector<double> & arclengths)
+static py::tuple OnCrack (const CrackedMesh & body, size_t crack, const std::vector<double> & arclengths)
 {
-  body.CheckMesh();
-  auto & crack = body.GetCrack(c);
   std::vector<size_t> elements;
   std::vector<double> xi, eta;
-  for (double s : arclengths)
+  for (auto & [element, point] : body.OnCrack(crack, arclengths))
     {
-      ArcLengthOn(crack, s);
-      auto & location = body.Location(c).At(s);
-      ElementMap map(*body.GetMesh(), location.element);
-      auto reference = map.PhysicalInReference(crack.PointAt(s), 0);
-      elements.push_back(location.element);
-      xi.push_back(reference(0));
-      eta.push_back(reference(1));
+      elements.push_back(element);
+      xi.push_back(point(0));
+      eta.push_back(point(1));
     }
   return py::make_tuple(elements, xi, eta);
 }
 
 static shared_ptr<CrackedMesh> MakeCrackedMesh (shared_ptr<MeshAccess> mesh, const std::vector<Crack> & cracks)
 { return make_shared<CrackedMesh>(mesh, cracks); }
-
-static std::vector<Crack> CracksOf (const CrackedMesh & body)
-{
-  std::vector<Crack> cracks;
-  for (size_t i = 0; i < body.NumCracks(); i++) cracks.push_back(body.GetCrack(i));
-  return cracks;
-}
-
-static CutDifferentialSymbol CrackSymbol (shared_ptr<CrackedMesh> body)
-{
-  CutDifferentialSymbol dcrack(Measure { body, { Domain::Crack } }, VOL);
-  dcrack.definedonelements = body->CrackElements();
-  return dcrack;
-}
-
-static CutDifferentialSymbol LargerSymbol (shared_ptr<CrackedMesh> body)
-{
-  CutDifferentialSymbol dlarger(Measure { body, { Domain::Larger } }, VOL);
-  dlarger.definedonelements = body->CrackElements();
-  return dlarger;
-}
 
 static void ExportCrackedMesh (py::module & m)
 {
@@ -200,7 +164,7 @@ static void ExportCrackedMesh (py::module & m)
                     return MakeCrackedMesh(mesh, all);
                   }), py::arg("mesh"))
     .def_property_readonly("mesh", &CrackedMesh::GetMesh, "The mesh of NGSolve.")
-    .def_property_readonly("cracks", &CracksOf, "The Cracks, in the order in which they were given, with their ends fitted to the body.")
+    .def_property_readonly("cracks", &CrackedMesh::Cracks, "The Cracks, in the order in which they were given, with their ends fitted to the body.")
     .def_property_readonly("tips", &CrackedMesh::Tips, "The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.")
     .def_property_readonly("notes", &CrackedMesh::Notes, "Sentences on the ends that were cut off or moved, none where all is as given.")
     .def("CheckMesh", &CrackedMesh::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.")
@@ -257,9 +221,9 @@ static void ExportCrackedMesh (py::module & m)
          "On the cracks the number of the crack: a CoefficientFunction.")
     .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); }, "The measure on the body without the cracks.")
     .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); }, "The measure on the boundary, divided at mouths.")
-    .def_property_readonly("dlarger", &LargerSymbol, "The measure on the larger part of each element that a crack meets.")
-    .def_property_readonly("dcrack", &CrackSymbol, "The measure on the cracks.")
-    .def(py::pickle([] (const CrackedMesh & b) { return py::make_tuple(b.GetMesh(), CracksOf(b)); },
+    .def_property_readonly("dlarger", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol::OnCracks(b, { Domain::Larger }); }, "The measure on the larger part of each element that a crack meets.")
+    .def_property_readonly("dcrack", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol::OnCracks(b, { Domain::Crack }); }, "The measure on the cracks.")
+    .def(py::pickle([] (const CrackedMesh & b) { return py::make_tuple(b.GetMesh(), b.Cracks()); },
                     [] (py::tuple state) { return MakeCrackedMesh(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Crack>>()); }));
 }
 

@@ -7,41 +7,6 @@ using namespace ngsxfem_contact;
 using namespace ngfem;
 using ngcomp::Region;
 
-/// With rules for the functions of a space, if one is given.
-static CutDifferentialSymbol ForSpace (CutDifferentialSymbol dx, shared_ptr<ngcomp::FESpace> space)
-{
-  if (space) dx.measure = dx.measure.With(*space);
-  return dx;
-}
-
-static CutDifferentialSymbol Restrict (const CutDifferentialSymbol & self, std::optional<std::variant<Region, string>> definedon,
-                                       int bonus_intorder, shared_ptr<ngcore::BitArray> definedonelements,
-                                       std::optional<size_t> crack, std::optional<std::vector<std::vector<double>>> nodes, shared_ptr<ngcomp::FESpace> space)
-{
-  CutDifferentialSymbol dx = ForSpace(self, space);
-  dx.bonus_intorder = bonus_intorder;
-  for (const auto & elements : { definedonelements, crack ? self.measure.body->CrackElements(crack) : nullptr })
-    if (elements)
-      {
-        auto both = make_shared<ngcore::BitArray>(*elements);
-        if (dx.definedonelements) both->And(*dx.definedonelements);
-        dx.definedonelements = both;
-      }
-  if (nodes) dx.measure.kind.division = make_shared<ArcLengths>(*nodes);
-  if (crack && dx.measure.kind.domain != Domain::Bulk) dx.measure.kind.crack = crack;
-  if (definedon)
-    {
-      auto region = get_if<Region>(&*definedon);
-      Region on = region ? *region : Region(self.measure.body->GetMesh(), self.vb, get<string>(*definedon));
-      if (on.Mask().NumSet() == 0)
-        throw ngcore::Exception("this measure is restricted to " + (region ? string("an empty region") : "'" + get<string>(*definedon) + "'")
-                                + ", which matches no " + (self.vb == VOL ? "material" : "boundary") + " of the mesh; mesh.GetMaterials() and mesh.GetBoundaries() list the names");
-      if (on.VB() != self.vb) throw ngcore::Exception("this measure cannot be restricted to a region of another dimension; body.dx takes materials, body.ds boundaries");
-      dx.definedon = on.Mask();
-    }
-  return dx;
-}
-
 void ExportFormTerms (py::module & m)
 {
   py::enum_<Domain>(m, "Domain", "What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.")
@@ -74,6 +39,7 @@ static py::tuple MatricesOfElements (const ngcomp::BilinearForm & form, py::arra
 
 void ExportMeasures (py::module & m)
 {
+  Restriction none;
   m.def("ElementMatrices", &MatricesOfElements, py::arg("form"), py::arg("elements"),
         "(matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the\n"
         "numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1.");
@@ -87,8 +53,11 @@ void ExportMeasures (py::module & m)
   // no shared_ptr holder: the base class is exported without one
   py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol",
       "A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).")
-    .def("__call__", &Restrict, py::arg("definedon") = py::none(), py::arg("bonus_intorder") = 0, py::arg("definedonelements") = py::none(),
-         py::arg("crack") = py::none(), py::arg("nodes") = py::none(), py::arg("space") = nullptr,
+    .def("__call__", [] (const CutDifferentialSymbol & dx, decltype(Restriction::definedon) definedon, int bonus_intorder, shared_ptr<ngcore::BitArray> elements,
+                         std::optional<size_t> crack, decltype(Restriction::nodes) nodes, shared_ptr<ngcomp::FESpace> space)
+         { return dx.Restricted({ definedon, bonus_intorder, elements, crack, nodes, space }); },
+         py::arg("definedon") = none.definedon, py::arg("bonus_intorder") = none.bonus_intorder, py::arg("definedonelements") = none.definedonelements,
+         py::arg("crack") = none.crack, py::arg("nodes") = none.nodes, py::arg("space") = none.space,
          "The same measure, restricted or refined.\n\nParameters\n----------\ndefinedon\n"
          "    A Region, or the name (a regular expression) of materials for dx, of boundaries for ds.\nbonus_intorder\n"
          "    Added to the order of the rules.\ndefinedonelements\n    BitArray of elements.\ncrack\n"
@@ -99,12 +68,12 @@ void ExportMeasures (py::module & m)
          "    For a region that the mesh does not have.")
     .def("Points", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
          {
-           auto p = RulePoints(ForSpace(dx, space), order);
+           auto p = RulePoints(dx.For(space), order);
            auto array = [] (auto & v) { return py::array(v.size(), v.data()); };
            return py::make_tuple(array(p.element), array(p.xi), array(p.eta), array(p.weight), array(p.x), array(p.y));
-         }, py::arg("order"), py::arg("space") = nullptr, "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.")
+         }, py::arg("order"), py::arg("space") = none.space, "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.")
     .def("PrepareRules", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
-         { ForSpace(dx, space).measure.Rules(dx.vb, order); }, py::arg("order"), py::arg("space") = nullptr,
+         { dx.For(space).measure.Rules(dx.vb, order); }, py::arg("order"), py::arg("space") = none.space,
          "Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form.")
     .def("__rmul__", [] (const CutDifferentialSymbol & dx, double factor)
          { return make_shared<SumOfIntegrals>(dx.MakeIntegral(make_shared<ConstantCoefficientFunction>(factor))); });

@@ -159,6 +159,13 @@ namespace ngsxfem_contact
     return i-1;
   }
 
+  double Crack :: Checked (double s) const
+  {
+    if (!(s >= -1e-10*Length() && s <= (1+1e-10)*Length()))
+      throw ngcore::Exception("Crack: arc length " + std::to_string(s) + " is outside of 0 to " + std::to_string(Length()));
+    return std::clamp(s, 0.0, Length());
+  }
+
   Point Crack :: PointAt (size_t i, double s) const
   {
     if (!IsStraight(i)) return pieces[i]->PointAt(s-arclength[i]);

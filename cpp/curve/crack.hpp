@@ -17,6 +17,8 @@ namespace ngsxfem_contact
     std::vector<size_t> piece_of;    // by box
 
   public:
+    static constexpr double turn_in_pictures = 0.05;     // of an Outline
+
     /// A polyline. Throws for fewer than two points, a non-finite coordinate, a segment of zero length, a curve that
     /// meets itself.
     explicit Crack (std::vector<Point> apoints);
@@ -29,6 +31,9 @@ namespace ngsxfem_contact
     const CurvePiece & Piece (size_t i) const { return *pieces[i]; }
     const std::vector<PiecePtr> & Pieces() const { return pieces; }
     double Length() const { return arclength.back(); }
+    bool IsPolyline() const { return std::ranges::all_of(pieces, [] (auto & piece) { return piece->IsStraight(); }); }
+    /// An arc length within the crack but for round-off. Throws for others.
+    double Checked (double s) const;
     /// Arc length at the i-th point.
     double ArcLength (size_t i) const { return arclength[i]; }
     /// Whether the direction jumps at the i-th point.

@@ -79,4 +79,6 @@ namespace ngsxfem_contact
   /// The cubic with the given values and derivatives at t = 0 and 1, as one piece or several.
   /// Throws where its derivative vanishes.
   std::vector<PiecePtr> MakeCubic (Point p0, Point d0, Point p1, Point d1);
+  /// The piece of a Description: "segment" by 2 points, "arc" by 3, "cubic" by 4. Throws for another one.
+  std::vector<PiecePtr> MakePieces (const std::string & kind, const std::vector<Point> & points);
 }

@@ -32,6 +32,19 @@ namespace ngsxfem_contact
     return crack;
   }
 
+  std::vector<std::pair<size_t, ngfem::IntegrationPoint>> CrackedMesh :: OnCrack (size_t c, const std::vector<double> & arclengths) const
+  {
+    CheckMesh();
+    auto & crack = GetCrack(c);
+    std::vector<std::pair<size_t, ngfem::IntegrationPoint>> points;
+    for (double s : arclengths)
+      {
+        auto element = Location(c).At(crack.Checked(s)).element;
+        points.push_back({ element, ElementMap(*mesh, element).PhysicalInReference(crack.PointAt(s), 0) });
+      }
+    return points;
+  }
+
   void CrackedMesh :: CheckMesh () const
   {
     MeshState now(*mesh);

@@ -66,6 +66,8 @@ namespace ngsxfem_contact
     /// These throw for a number that is not below NumCracks().
     const Crack & GetCrack (size_t i) const { return cracks[Checked(i)]; }
     const CrackLocation & Location (size_t i) const { return locations[Checked(i)]; }
+    /// Points of a crack at arc lengths, each in an element that carries that part of it, in reference coordinates.
+    std::vector<std::pair<size_t, ngfem::IntegrationPoint>> OnCrack (size_t crack, const std::vector<double> & arclengths) const;
     const std::vector<Crack> & Cracks() const { return cracks; }
     const std::vector<Tip> & Tips() const { return tips; }
     /// What was changed at the ends of the cracks, in words.

@@ -247,6 +247,44 @@ namespace ngsxfem_contact
     return points;
   }
 
+  CutDifferentialSymbol CutDifferentialSymbol :: OnCracks (shared_ptr<const CrackedMesh> body, RuleKind kind)
+  {
+    CutDifferentialSymbol dx(Measure { body, std::move(kind) }, VOL);
+    dx.definedonelements = body->CrackElements();
+    return dx;
+  }
+
+  CutDifferentialSymbol CutDifferentialSymbol :: For (const shared_ptr<ngcomp::FESpace> & space) const
+  {
+    CutDifferentialSymbol dx(*this);
+    if (space) dx.measure = dx.measure.With(*space);
+    return dx;
+  }
+
+  CutDifferentialSymbol CutDifferentialSymbol :: Restricted (const Restriction & to) const
+  {
+    CutDifferentialSymbol dx = For(to.space);
+    dx.bonus_intorder = to.bonus_intorder;
+    for (const auto & elements : { to.definedonelements, to.crack ? measure.body->CrackElements(to.crack) : nullptr })
+      if (elements)
+        {
+          auto both = make_shared<ngcore::BitArray>(*elements);
+          if (dx.definedonelements) both->And(*dx.definedonelements);
+          dx.definedonelements = both;
+        }
+    if (to.nodes) dx.measure.kind.division = make_shared<ArcLengths>(*to.nodes);
+    if (to.crack && dx.measure.kind.domain != Domain::Bulk) dx.measure.kind.crack = to.crack;
+    if (!to.definedon) return dx;
+    auto region = get_if<Region>(&*to.definedon);
+    Region on = region ? *region : Region(measure.body->GetMesh(), vb, get<string>(*to.definedon));
+    if (on.Mask().NumSet() == 0)
+      throw ngcore::Exception("this measure is restricted to " + (region ? string("an empty region") : "'" + get<string>(*to.definedon) + "'")
+                              + ", which matches no " + (vb == VOL ? "material" : "boundary") + " of the mesh; mesh.GetMaterials() and mesh.GetBoundaries() list the names");
+    if (on.VB() != vb) throw ngcore::Exception("this measure cannot be restricted to a region of another dimension; body.dx takes materials, body.ds boundaries");
+    dx.definedon = on.Mask();
+    return dx;
+  }
+
   shared_ptr<Integral> CutDifferentialSymbol :: MakeIntegral (shared_ptr<CoefficientFunction> cf) const
   { return make_shared<CutIntegral>(cf, *this, measure); }
 

@@ -4,6 +4,7 @@
 
 #include "rules/body_rules.hpp"
 #include <integratorcf.hpp>
+#include <variant>
 
 namespace ngsxfem_contact
 {
@@ -44,11 +45,28 @@ namespace ngsxfem_contact
     const RuleTable * LookUp (int order) const;
   };
 
+  /// To what a measure is restricted, and for what its rules are made.
+  struct Restriction
+  {
+    std::optional<std::variant<ngcomp::Region, string>> definedon;          // materials or boundaries, or a regular expression for their names
+    int bonus_intorder = 0;
+    shared_ptr<ngcore::BitArray> definedonelements;
+    std::optional<size_t> crack;
+    std::optional<std::vector<std::vector<double>>> nodes;                  // arc lengths at which rules on Γ_C are divided
+    shared_ptr<ngcomp::FESpace> space;                                      // whose functions the rules serve, too
+  };
+
   class CutDifferentialSymbol : public ngfem::DifferentialSymbol
   {
   public:
     Measure measure;
     CutDifferentialSymbol (Measure ameasure, VorB avb) : DifferentialSymbol(avb), measure(std::move(ameasure)) { }
+    /// On Γ_C, or on the larger parts beside it: on the elements that cracks meet.
+    static CutDifferentialSymbol OnCracks (shared_ptr<const CrackedMesh> body, RuleKind kind);
+    /// Throws for regions that the mesh does not have, or that are of another dimension.
+    CutDifferentialSymbol Restricted (const Restriction & to) const;
+    /// With rules for the functions of a space, if there is one.
+    CutDifferentialSymbol For (const shared_ptr<ngcomp::FESpace> & space) const;
     shared_ptr<ngfem::Integral> MakeIntegral (shared_ptr<CoefficientFunction> cf) const override;
   };
 

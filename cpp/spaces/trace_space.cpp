@@ -281,11 +281,7 @@ namespace ngsxfem_contact
   }
 
   CutDifferentialSymbol TraceSpace :: CrackSymbol () const
-  {
-    CutDifferentialSymbol dcrack(Measure { body, { Domain::Crack, basis->Division(), std::nullopt } }, VOL);
-    dcrack.definedonelements = body->CrackElements();
-    return dcrack;
-  }
+  { return CutDifferentialSymbol::OnCracks(body, { Domain::Crack, basis->Division(), std::nullopt }); }
 
   void TraceSpace :: Update ()
   {

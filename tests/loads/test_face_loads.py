@@ -417,3 +417,13 @@ def test_forms_that_are_not_linear_are_refused(name):
     p = problem(held="top")
     with pytest.raises(ValueError, match="linear|no test function|symmetric|holds a trial or test"):
         NOT_LINEAR[name](p, *p.V.TnT())
+
+
+def test_no_pressure_is_no_load():
+    """A zero that NGSolve simplifies away is a load all the same."""
+    body = CrackedMesh(rectangle(0.3), Crack([(0, 0.5), (0.5, 0.5)]))
+    V = CrackFESpace(body, tip=None, dirichlet="bottom")
+    problem = ContactProblem(V, TraceSpace(body), Elasticity(lam=1, mu=1))
+    problem.FacePressure(0)
+    problem.FaceTraction()
+    assert np.abs(problem.Solve().u.vec.FV().NumPy()).max() == 0
