@@ -1,30 +1,10 @@
 #pragma once
-// The measures body.dx, body.ds, body.dcrack: NGSolve's differential symbols, integrals and symbolic integrators with
-// the rules of a cracked mesh on the elements that need them.
+// Integrals over the measures of a cracked mesh, and NGSolve's symbolic integrators with its rules on the elements that need them.
 
-#include "rules/body_rules.hpp"
-#include <integratorcf.hpp>
-#include <variant>
+#include "forms/measure.hpp"
 
 namespace ngsxfem_contact
 {
-  using ngfem::CoefficientFunction;
-
-  struct Measure
-  {
-    shared_ptr<const CrackedMesh> body;
-    RuleKind kind;
-    shared_ptr<const BodyRules> rules;
-
-    Measure (shared_ptr<const CrackedMesh> abody, RuleKind akind) : body(abody), kind(std::move(akind)), rules(RulesOf(body, {})) { }
-
-    shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return rules->Table(kind, vb, order); }
-    /// With rules for the functions of a space, too, if it is one on this body.
-    Measure With (const ngcomp::FESpace & space) const;
-    /// With rules for the functions of all spaces whose functions or test functions are part of an integrand.
-    Measure With (CoefficientFunction & integrand) const;
-  };
-
   /// The rules of a measure for one integrator: looked up once for each order, then without a lock.
   class CachedRules
   {
@@ -44,35 +24,6 @@ namespace ngsxfem_contact
   private:
     const RuleTable * LookUp (int order) const;
   };
-
-  /// To what a measure is restricted, and for what its rules are made.
-  struct Restriction
-  {
-    std::optional<std::variant<ngcomp::Region, string>> definedon;          // materials or boundaries, or a regular expression for their names
-    int bonus_intorder = 0;
-    shared_ptr<ngcore::BitArray> definedonelements;
-    std::optional<size_t> crack;
-    std::optional<std::vector<std::vector<double>>> nodes;                  // arc lengths at which rules on Γ_C are divided
-    shared_ptr<ngcomp::FESpace> space;                                      // whose functions the rules serve, too
-  };
-
-  class CutDifferentialSymbol : public ngfem::DifferentialSymbol
-  {
-  public:
-    Measure measure;
-    CutDifferentialSymbol (Measure ameasure, VorB avb) : DifferentialSymbol(avb), measure(std::move(ameasure)) { }
-    /// On Γ_C, or on the larger parts beside it: on the elements that cracks meet.
-    static CutDifferentialSymbol OnCracks (shared_ptr<const CrackedMesh> body, RuleKind kind);
-    /// Throws for regions that the mesh does not have, or that are of another dimension.
-    CutDifferentialSymbol Restricted (const Restriction & to) const;
-    /// With rules for the functions of a space, if there is one.
-    CutDifferentialSymbol For (const shared_ptr<ngcomp::FESpace> & space) const;
-    shared_ptr<ngfem::Integral> MakeIntegral (shared_ptr<CoefficientFunction> cf) const override;
-  };
-
-  /// The points of a measure, element by element: reference coordinates, physical weights and places.
-  struct MeasurePoints { std::vector<size_t> element; std::vector<double> xi, eta, weight, x, y; };
-  MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order);
 
   /// An integrator restricted as a measure is.
   template <typename INTEGRATOR>
