@@ -54,14 +54,10 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     def Points(
         self, order: int, space: ngsolve.comp.FESpace | None = None
     ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-        """
-        Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.
-        """
+        """Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions."""
 
     def PrepareRules(self, order: int, space: ngsolve.comp.FESpace | None = None) -> None:
-        """
-        Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form.
-        """
+        """Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form."""
 
     def __call__(
         self,
@@ -72,30 +68,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
         space: ngsolve.comp.FESpace | None = None,
     ) -> CutDifferentialSymbol:
-        """
-        The same measure, restricted or refined.
-
-        Parameters
-        ----------
-        definedon
-            A Region, or the name (a regular expression) of materials for dx, of boundaries for ds.
-        bonus_intorder
-            Added to the order of the rules.
-        definedonelements
-            BitArray of elements.
-        crack
-            Number of the only crack.
-        nodes
-            Arc lengths at which rules on the cracks are divided, one list for each crack.
-        space
-            A CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules always serve the spaces whose
-            functions, trial or test functions are part of an integrand.
-
-        Raises
-        ------
-        Exception
-            For a region that the mesh does not have.
-        """
+        """The same measure, restricted or refined."""
 
     def __rmul__(self, arg0: float) -> ngsolve.comp.SumOfIntegrals: ...
 
@@ -109,13 +82,7 @@ class _Enumeration:
     def value(self) -> int: ...
 
 class Side(_Enumeration):
-    """The side of a crack: Plus to the left of its direction of travel, Minus to the right.
-
-    Members:
-
-      Minus
-
-      Plus"""
+    """The side of a crack: Plus to the left of its direction of travel, Minus to the right."""
 
     Minus: typing.ClassVar[Side]
     Plus: typing.ClassVar[Side]
@@ -123,66 +90,21 @@ class Side(_Enumeration):
 
 class Crack:
     """An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the
-    minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.
-
-    Parameters
-    ----------
-    points
-        The corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves, Crack.Join one crack of
-        several.
-
-    Raises
-    ------
-    Exception
-        For coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.
-
-    Examples
-    --------
-    >>> crack = Crack([(0, 0), (3, 4)])
-    >>> crack.length, crack.points
-    (5.0, [(0.0, 0.0), (3.0, 4.0)])
-    >>> crack.SideOf((0, 1))
-    <Side.Plus: 1>"""
+    minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth."""
 
     @staticmethod
     def Arc(start: tuple[float, float], through: tuple[float, float], end: tuple[float, float]) -> Crack:
-        """
-        The circular arc from start to end through a third point. Raises an Exception for three points on a line.
-        """
+        """The circular arc from start to end through a third point. Raises an Exception for three points on a line."""
 
     @staticmethod
     def Curve(
         function: collections.abc.Callable[[float], collections.abc.Sequence[float]], t0: float, t1: float, tolerance: float = 1e-07, max_pieces: int = 4096
     ) -> Crack:
-        """
-        The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
-
-            Parameters
-            ----------
-            function
-                Of a number, two coordinates; smooth, with a derivative that does not vanish. (Cut it at kinks, and use Crack.Join.)
-            t0 : float
-                Where the curve begins.
-            t1 : float
-                Where it ends.
-            tolerance
-                The energy changes by about as much, relatively. The default is far below what a mesh of P2 with 1e4 elements resolves; a smaller one costs
-                pieces, tolerance^(-1/4).
-            max_pieces : int
-                The largest number of cubics.
-
-            Raises
-            ------
-            ValueError
-                If max_pieces pieces do not reach the tolerance.
-
-        """
+        """The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length."""
 
     @staticmethod
     def Join(*cracks: Crack) -> Crack:
-        """
-        Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.
-        """
+        """Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap."""
 
     @staticmethod
     def LevelSet(
@@ -192,139 +114,60 @@ class Crack:
         tolerance: float | None = None,
         max_points: int = 4096,
     ) -> Crack:
-        """
-        The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
-
-            The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline through some of them deviates from φ
-            = 0 by less than tolerance × its length; default: 1e-6 of the size of the elements that it meets, far below what they resolve. Straight ones become
-            segments. The crack ends where ψ = 0, or on ∂Ω (psi=None: only there).
-
-            Parameters
-            ----------
-            mesh : Mesh
-                Of NGSolve.
-            phi : CoefficientFunction or GridFunction
-                φ, zero on the crack.
-            psi : CoefficientFunction or GridFunction
-                ψ, negative on the crack; None: the crack goes on to ∂Ω.
-            tolerance : float
-                Relative to the length; default 1e-6 of the size of the elements that the crack meets.
-            max_points : int
-                The largest number of points of the spline.
-
-            Raises
-            ------
-            ValueError
-                If there is no or more than one branch, a closed one, or if the tolerance is not reached: zero sets of P_k functions have kinks on the mesh's
-                edges, so ask for a tolerance that fits them.
-
-        """
+        """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0."""
 
     @staticmethod
     def OfPieces(pieces: collections.abc.Sequence[tuple[str, collections.abc.Sequence[tuple[float, float]]]]) -> Crack:
-        """
-        Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with values and derivatives at t = 0 and 1.
-        """
+        """Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with values and derivatives at t = 0 and 1."""
 
     @staticmethod
     def Spline(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray, ends: str = "not-a-knot") -> Crack:
-        """
-        The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
-
-            Parameters
-            ----------
-            points : (n, 2)
-                Two give a segment.
-            ends
-                "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
-
-            Raises
-            ------
-            ValueError
-                For repeated points.
-            Exception
-                For a curve that meets itself.
-
-        """
+        """The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline."""
 
     def ArcLength(self, point: tuple[float, float]) -> float:
-        """
-        Arc length of the nearest point of the crack.
-        """
+        """Arc length of the nearest point of the crack."""
 
     def CurvatureAt(self, s: float) -> float:
-        """
-        The curvature at arc length s, > 0 where the crack turns left.
-        """
+        """The curvature at arc length s, > 0 where the crack turns left."""
 
     def Distance(self, point: tuple[float, float]) -> float:
-        """
-        Distance to the nearest point of the crack.
-        """
+        """Distance to the nearest point of the crack."""
 
     def Outline(self, turn: float = 0.05) -> list[tuple[float, float]]:
-        """
-        Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved.
-        """
+        """Points for pictures: a polyline that follows the crack, with kinks of about the angle turn where it is curved."""
 
     def PointAt(self, s: float) -> tuple[float, float]:
-        """
-        The point (x, y) at arc length s, 0 ≤ s ≤ length.
-        """
+        """The point (x, y) at arc length s, 0 ≤ s ≤ length."""
 
     def SideOf(self, point: tuple[float, float]) -> Side:
-        """
-        The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself.
-        """
+        """The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself."""
 
     def TangentAt(self, s: float) -> tuple[float, float]:
-        """
-        The unit tangent at arc length s.
-        """
+        """The unit tangent at arc length s."""
 
     def __init__(self, points: collections.abc.Sequence[tuple[float, float]]) -> None: ...
     @property
     def kinks(self) -> list[float]:
-        """
-        Arc lengths at which the direction jumps; of a polyline all inner points.
-        """
+        """Arc lengths at which the direction jumps; of a polyline all inner points."""
 
     @property
     def length(self) -> float:
-        """
-        The arc length from end to end, in the user's unit of length.
-        """
+        """The arc length from end to end, in the user's unit of length."""
 
     @property
     def pieces(self) -> list[tuple[str, list[tuple[float, float]]]]:
-        """
-        What OfPieces takes.
-        """
+        """What OfPieces takes."""
 
     @property
     def points(self) -> list[tuple[float, float]]:
-        """
-        The points of a polyline; of a curve the ends of its pieces.
-        """
+        """The points of a polyline; of a curve the ends of its pieces."""
 
     @property
     def side(self) -> ngsolve.fem.CoefficientFunction:
-        """
-        H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.
-        """
+        """H: +1 on the plus side, -1 on the minus side, a CoefficientFunction."""
 
 class ElementKind(_Enumeration):
-    """How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.
-
-    Members:
-
-      Uncut
-
-      Cut
-
-      Tip
-
-      Aligned"""
+    """How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries."""
 
     Aligned: typing.ClassVar[ElementKind]
     Cut: typing.ClassVar[ElementKind]
@@ -337,159 +180,107 @@ class Degeneracy:
 
     @property
     def along_edge(self) -> bool:
-        """
-        Whether it runs along an edge.
-        """
+        """Whether it runs along an edge."""
 
     @property
     def kink_inside(self) -> bool:
-        """
-        Whether its direction jumps inside the element.
-        """
+        """Whether its direction jumps inside the element."""
 
     @property
     def through_vertex(self) -> bool:
-        """
-        Whether the crack passes through a vertex of the element.
-        """
+        """Whether the crack passes through a vertex of the element."""
 
     @property
     def tip_on_edge(self) -> bool:
-        """
-        Whether it ends on an edge.
-        """
+        """Whether it ends on an edge."""
 
     @property
     def tip_on_vertex(self) -> bool:
-        """
-        Whether it ends in a vertex.
-        """
+        """Whether it ends in a vertex."""
 
 class Part:
     """A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension."""
 
     @property
     def curved(self) -> tuple[float, float] | None:
-        """
-        Arc lengths between which the side opposite of corner 0 is a part of the crack, or None.
-        """
+        """Arc lengths between which the side opposite of corner 0 is a part of the crack, or None."""
 
     @property
     def side(self) -> Side:
-        """
-        The Side of the crack on which it lies.
-        """
+        """The Side of the crack on which it lies."""
 
     @property
     def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]:
-        """
-        The three corners (x, y).
-        """
+        """The three corners (x, y)."""
 
 class ElementLocation:
     """Where an element lies with respect to the crack that meets it, and its parts on either side."""
 
     @property
     def arclength(self) -> tuple[float, float]:
-        """
-        Arc lengths at which the crack enters and leaves it.
-        """
+        """Arc lengths at which the crack enters and leaves it."""
 
     @property
     def area_minus(self) -> float:
-        """
-        The area of its part on the minus side.
-        """
+        """The area of its part on the minus side."""
 
     @property
     def area_plus(self) -> float:
-        """
-        The area of its part on the plus side.
-        """
+        """The area of its part on the plus side."""
 
     @property
     def chords(self) -> list[tuple[float, float]]:
-        """
-        Arc lengths between which the crack is in the element.
-        """
+        """Arc lengths between which the crack is in the element."""
 
     @property
     def curved(self) -> bool:
-        """
-        Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle.
-        """
+        """Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle."""
 
     @property
     def degeneracy(self) -> Degeneracy:
-        """
-        The special positions that hold.
-        """
+        """The special positions that hold."""
 
     @property
     def element(self) -> int:
-        """
-        The number of the element in the mesh.
-        """
+        """The number of the element in the mesh."""
 
     @property
     def h(self) -> float:
-        """
-        The longest edge h_T, in the user's unit of length.
-        """
+        """The longest edge h_T, in the user's unit of length."""
 
     @property
     def kind(self) -> ElementKind:
-        """
-        Its ElementKind: Cut, Tip or Aligned.
-        """
+        """Its ElementKind: Cut, Tip or Aligned."""
 
     @property
     def larger(self) -> Side:
-        """
-        The Side of its larger part, Plus for equal ones: the part whose stress is R_h.
-        """
+        """The Side of its larger part, Plus for equal ones: the part whose stress is R_h."""
 
     @property
     def parts(self) -> list[Part]:
-        """
-        The Parts into which the crack divides it; one for an aligned element.
-        """
+        """The Parts into which the crack divides it; one for an aligned element."""
 
     @property
     def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]:
-        """
-        The three corners (x, y) of the element.
-        """
+        """The three corners (x, y) of the element."""
 
 class ElementPart(Part):
     """A Part of an element that one crack or several meet."""
 
     @property
     def crack(self) -> int:
-        """
-        The crack that its side and its curved side belong to.
-        """
+        """The crack that its side and its curved side belong to."""
 
     @property
     def larger(self) -> list[bool]:
-        """
-        For each of the element's cracks: whether this belongs to the larger part beside it.
-        """
+        """For each of the element's cracks: whether this belongs to the larger part beside it."""
 
     @property
     def sides(self) -> list[Side]:
-        """
-        With respect to each of the element's cracks.
-        """
+        """With respect to each of the element's cracks."""
 
 class EndKind(_Enumeration):
-    """An end of a crack: a Tip inside the body or a Mouth on its boundary.
-
-    Members:
-
-      Tip
-
-      Mouth"""
+    """An end of a crack: a Tip inside the body or a Mouth on its boundary."""
 
     Mouth: typing.ClassVar[EndKind]
     Tip: typing.ClassVar[EndKind]
@@ -500,251 +291,145 @@ class CrackEnd:
 
     @property
     def kind(self) -> EndKind:
-        """
-        Its EndKind: Tip inside the body, Mouth on its boundary.
-        """
+        """Its EndKind: Tip inside the body, Mouth on its boundary."""
 
     @property
     def point(self) -> tuple[float, float]:
-        """
-        Its place (x, y).
-        """
+        """Its place (x, y)."""
 
     @property
     def s(self) -> float:
-        """
-        Its arc length: 0 or the length of the crack.
-        """
+        """Its arc length: 0 or the length of the crack."""
 
 class Tip:
     """A crack end inside the body: point, crack number, direction ahead, and the clearance that a disk of singular functions has."""
 
     @property
     def ahead(self) -> tuple[float, float]:
-        """
-        The unit direction in which the crack would grow straight on.
-        """
+        """The unit direction in which the crack would grow straight on."""
 
     @property
     def clearance(self) -> float:
-        """
-        The largest radius of a disk of singular functions: the least of the distances to the boundary, to other cracks and to the next kink, of
-        half the distance to other tips and of half the radius of curvature.
-        """
+        """The largest radius of a disk of singular functions: the least of the distances to the boundary, to other cracks and to the next kink, of
+        half the distance to other tips and of half the radius of curvature."""
 
     @property
     def crack(self) -> int:
-        """
-        The number of its crack in body.cracks.
-        """
+        """The number of its crack in body.cracks."""
 
     @property
     def distances(self) -> list[tuple[float, str]]:
-        """
-        Pairs (distance, what is there, in words): of the boundary of the body and of the other cracks.
-        """
+        """Pairs (distance, what is there, in words): of the boundary of the body and of the other cracks."""
 
     @property
     def limit(self) -> str:
-        """
-        What sets the clearance, in words.
-        """
+        """What sets the clearance, in words."""
 
     @property
     def point(self) -> tuple[float, float]:
-        """
-        Its place (x, y).
-        """
+        """Its place (x, y)."""
 
     @property
     def s(self) -> float:
-        """
-        Its arc length: 0 or the length of the crack.
-        """
+        """Its arc length: 0 or the length of the crack."""
 
 class CrackedMesh:
-    """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
-
-    Parameters
-    ----------
-    mesh
-        Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the
-        body is refused then; build a new CrackedMesh. What is built on a body does not change it.
-    *cracks
-        The Cracks, one by one.
-
-    Raises
-    ------
-    Exception
-        For a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that
-        meet each other, or an element without a strip between them (3 % of its size).
-
-    Notes
-    -----
-    An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:
-    `notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a
-    mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:
-    body.ds("left|right")."""
+    """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges."""
 
     def CheckMesh(self) -> None:
-        """
-        Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.
-        """
+        """Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it."""
 
     def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
-        """
-        BitArray of the elements that carry a part of a crack (None: of any).
-        """
+        """BitArray of the elements that carry a part of a crack (None: of any)."""
 
     def CrackInTriangle(self, element: int, crack: int) -> Crack:
-        """
-        The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle.
-
-        Raises
-        ------
-        Exception
-            If the crack does not meet the element.
-        """
+        """The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle."""
 
     def CracksOf(self, element: int) -> list[int]:
-        """
-        Numbers of the cracks that meet an element.
-        """
+        """Numbers of the cracks that meet an element."""
 
     def CutBoundaryElements(self, crack: int) -> list[int]:
-        """
-        Numbers of the boundary elements that a crack cuts.
-        """
+        """Numbers of the boundary elements that a crack cuts."""
 
     def CutBoundaryPoints(self, crack: int) -> list[tuple[int, tuple[float, float]]]:
-        """
-        The boundary elements that a crack cuts, with the points (x, y) at which it cuts them: a list of (number, point).
-        """
+        """The boundary elements that a crack cuts, with the points (x, y) at which it cuts them: a list of (number, point)."""
 
     def Elements(self, crack: int) -> list[ElementLocation]:
-        """
-        The ElementLocations of the elements that a crack meets.
-        """
+        """The ElementLocations of the elements that a crack meets."""
 
     def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]:
-        """
-        The two CrackEnds of a crack, its start first.
-        """
+        """The two CrackEnds of a crack, its start first."""
 
     def LimitOnCrack(self, function: ngsolve.fem.CoefficientFunction, side: int) -> ngsolve.fem.CoefficientFunction:
-        """
-        The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.
-        """
+        """The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there."""
 
     def MeshNodes(self, crack: int, kinks: bool) -> list[float]:
-        """
-        Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).
-        """
+        """Arc lengths at which the crack meets mesh edges, and of its ends (and kinks)."""
 
     def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-        """
-        (elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.
-        """
+        """(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends."""
 
     def Parts(self, element: int) -> list[ElementPart]:
-        """
-        The ElementParts into which the cracks divide an element; none if no crack meets it.
-        """
+        """The ElementParts into which the cracks divide an element; none if no crack meets it."""
 
     def __init__(self, mesh: ngsolve.comp.Mesh, *cracks: Crack) -> None: ...
     @property
     def crack_number(self) -> ngsolve.fem.CoefficientFunction:
-        """
-        On the cracks the number of the crack: a CoefficientFunction.
-        """
+        """On the cracks the number of the crack: a CoefficientFunction."""
 
     @property
     def cracks(self) -> list[Crack]:
-        """
-        The Cracks, in the order in which they were given, with their ends fitted to the body.
-        """
+        """The Cracks, in the order in which they were given, with their ends fitted to the body."""
 
     @property
     def dcrack(self) -> CutDifferentialSymbol:
-        """
-        The measure on the cracks.
-        """
+        """The measure on the cracks."""
 
     @property
     def dlarger(self) -> CutDifferentialSymbol:
-        """
-        The measure on the larger part of each element that a crack meets.
-        """
+        """The measure on the larger part of each element that a crack meets."""
 
     @property
     def ds(self) -> CutDifferentialSymbol:
-        """
-        The measure on the boundary, divided at mouths.
-        """
+        """The measure on the boundary, divided at mouths."""
 
     @property
     def dx(self) -> CutDifferentialSymbol:
-        """
-        The measure on the body without the cracks.
-        """
+        """The measure on the body without the cracks."""
 
     @property
     def larger_side(self) -> ngsolve.fem.CoefficientFunction:
-        """
-        On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction.
-        """
+        """On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction."""
 
     @property
     def mesh(self) -> ngsolve.comp.Mesh:
-        """
-        The mesh of NGSolve.
-        """
+        """The mesh of NGSolve."""
 
     @property
     def normal(self) -> ngsolve.fem.CoefficientFunction:
-        """
-        The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.
-        """
+        """The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack."""
 
     @property
     def notes(self) -> list[str]:
-        """
-        Sentences on the ends that were cut off or moved, none where all is as given.
-        """
+        """Sentences on the ends that were cut off or moved, none where all is as given."""
 
     @property
     def tangent(self) -> ngsolve.fem.CoefficientFunction:
-        """
-        The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack.
-        """
+        """The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack."""
 
     @property
     def tips(self) -> list[Tip]:
-        """
-        The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.
-        """
+        """The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body."""
 
 class CutOff(_Enumeration):
-    """The cut-off χ of the tip functions: cubic is C¹, quintic C².
-
-    Members:
-
-      cubic
-
-      quintic"""
+    """The cut-off χ of the tip functions: cubic is C¹, quintic C²."""
 
     __members__: typing.ClassVar[dict[str, CutOff]]
     cubic: typing.ClassVar[CutOff]
     quintic: typing.ClassVar[CutOff]
 
 class TipBasis(_Enumeration):
-    """The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.
-
-    Members:
-
-      branch
-
-      modes"""
+    """The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II."""
 
     __members__: typing.ClassVar[dict[str, TipBasis]]
     branch: typing.ClassVar[TipBasis]
@@ -756,119 +441,76 @@ class TipSpec:
     def __init__(self, basis: TipBasis, cutoff: CutOff, r0: float, r1: float, kappa: float, mu: float) -> None: ...
     @property
     def basis(self) -> TipBasis:
-        """
-        The TipBasis.
-        """
+        """The TipBasis."""
 
     @property
     def cutoff(self) -> CutOff:
-        """
-        The CutOff.
-        """
+        """The CutOff."""
 
     @property
     def kappa(self) -> float:
-        """
-        Kolosov's constant of the material at the tip; of modes only.
-        """
+        """Kolosov's constant of the material at the tip; of modes only."""
 
     @property
     def mu(self) -> float:
-        """
-        The shear modulus at the tip; of modes only.
-        """
+        """The shear modulus at the tip; of modes only."""
 
     @property
     def r0(self) -> float:
-        """
-        χ = 1 for r ≤ r0, a length.
-        """
+        """χ = 1 for r ≤ r0, a length."""
 
     @property
     def r1(self) -> float:
-        """
-        χ = 0 for r ≥ r1, a length.
-        """
+        """χ = 0 for r ≥ r1, a length."""
 
 class CrackFESpace(ngsolve.comp.FESpace):
     """The enriched space; ngsxfem_contact.CrackFESpace builds it from a TipEnrichment. Unknowns in this order: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the
     same for y, the tips."""
 
     def BoundaryDofs(self) -> list[tuple[numpy.ndarray, numpy.ndarray]]:
-        """
-        For each boundary region two arrays: the unknowns of either component with a trace on it.
-        """
+        """For each boundary region two arrays: the unknowns of either component with a trace on it."""
 
     def Heaviside(self, j: int) -> tuple[int, int]:
-        """
-        (i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.
-        """
+        """(i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support."""
 
     def HeavisideCrack(self, j: int) -> int:
-        """
-        The number of the crack at which it jumps.
-        """
+        """The number of the crack at which it jumps."""
 
     def HeavisideDof(self, j: int, component: int) -> int:
-        """
-        The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y).
-        """
+        """The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y)."""
 
     def HeavisideSide(self, j: int, element: int) -> int:
-        """
-        The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere.
-        """
+        """The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere."""
 
     def HeldRegions(self, component: int) -> pyngcore.pyngcore.BitArray:
-        """
-        The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.
-        """
+        """The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed."""
 
     def SetTipMaterial(self, tip: int, kappa: float, mu: float) -> None:
-        """
-        Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are.
-
-        Raises
-        ------
-        Exception
-            Where there are no functions.
-        """
+        """Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are."""
 
     def TipDofs(self, tip: int) -> list[int]:
-        """
-        The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.
-        """
+        """The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions."""
 
     def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **flags: typing.Any) -> None: ...
     @property
     def body(self) -> CrackedMesh:
-        """
-        The CrackedMesh.
-        """
+        """The CrackedMesh."""
 
     @property
     def num_heaviside(self) -> int:
-        """
-        The number of Heaviside functions of one component.
-        """
+        """The number of Heaviside functions of one component."""
 
     @property
     def order(self) -> int:
-        """
-        The order k of the functions φ_i.
-        """
+        """The order k of the functions φ_i."""
 
     @property
     def scalar_space(self) -> ngsolve.comp.FESpace:
-        """
-        The scalar space of the functions φ_i.
-        """
+        """The scalar space of the functions φ_i."""
 
     @property
     def tip_specs(self) -> list[TipSpec | None]:
-        """
-        For each of body.tips its TipSpec, or None where there are no tip functions.
-        """
+        """For each of body.tips its TipSpec, or None where there are no tip functions."""
 
 class CrackBilinearForm(ngsolve.comp.BilinearForm):
     """NGSolve's BilinearForm on a CrackFESpace, with the rows of the tip functions, as long as their disks are large, written directly:
@@ -889,45 +531,31 @@ class CurveNodes:
         weights: collections.abc.Sequence[collections.abc.Sequence[float]],
     ) -> None: ...
     def __len__(self) -> int:
-        """
-        The number of nodes.
-        """
+        """The number of nodes."""
 
     @property
     def arclengths(self) -> numpy.ndarray:
-        """
-        Array (n,): of each node the arc length on its crack.
-        """
+        """Array (n,): of each node the arc length on its crack."""
 
     @property
     def body(self) -> CrackedMesh:
-        """
-        The CrackedMesh.
-        """
+        """The CrackedMesh."""
 
     @property
     def cracks(self) -> numpy.ndarray:
-        """
-        Array (n,): of each node the number of its crack.
-        """
+        """Array (n,): of each node the number of its crack."""
 
     @property
     def neighbours(self) -> numpy.typing.NDArray[numpy.uint64]:
-        """
-        Array (k, 2): the numbers of two nodes beside each other on a crack.
-        """
+        """Array (k, 2): the numbers of two nodes beside each other on a crack."""
 
     @property
     def positions(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        Array (n, 2): the points.
-        """
+        """Array (n, 2): the points."""
 
     @property
     def weights(self) -> numpy.ndarray:
-        """
-        Array (n,): ∫ψ_i, the length of the cracks that belongs to each node.
-        """
+        """Array (n,): ∫ψ_i, the length of the cracks that belongs to each node."""
 
 class TraceSpace(ngsolve.comp.FESpace):
     """The space of multipliers on the cracks; ngsxfem_contact.TraceSpace builds it from a name."""
@@ -935,55 +563,36 @@ class TraceSpace(ngsolve.comp.FESpace):
     def __init__(self, body: CrackedMesh, basis: TraceBasis, order: int) -> None: ...
     @property
     def basis(self) -> TraceBasis:
-        """
-        The TraceBasis.
-        """
+        """The TraceBasis."""
 
     @property
     def body(self) -> CrackedMesh:
-        """
-        The CrackedMesh.
-        """
+        """The CrackedMesh."""
 
     @property
     def dcrack(self) -> CutDifferentialSymbol:
-        """
-        The measure on the cracks, its rules divided where the intervals of this space end.
-        """
+        """The measure on the cracks, its rules divided where the intervals of this space end."""
 
     @property
     def order(self) -> int:
-        """
-        The order of the functions.
-        """
+        """The order of the functions."""
 
 class TraceBasis:
     """The functions of a TraceSpace, and where they live."""
 
     def Nodes(self) -> CurveNodes:
-        """
-        The points of the Lagrange functions of this order on the intervals, as CurveNodes: of order 0 their middles.
-        """
+        """The points of the Lagrange functions of this order on the intervals, as CurveNodes: of order 0 their middles."""
 
     @property
     def division(self) -> list[list[float]]:
-        """
-        Arc lengths that divide each crack into intervals, from 0 to its length.
-        """
+        """Arc lengths that divide each crack into intervals, from 0 to its length."""
 
     @property
     def ndof(self) -> int:
-        """
-        The number of functions.
-        """
+        """The number of functions."""
 
 class NodalTraceBasis(TraceBasis):
-    """Lagrange functions: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points.
-
-    Raises
-    ------
-    Exception
-        For a division that does not increase from 0 to the length of each crack."""
+    """Lagrange functions: order 0 one constant for each interval, order j ≥ 1 continuous, at Gauss-Lobatto points."""
 
     def __init__(self, body: CrackedMesh, order: int, division: collections.abc.Sequence[collections.abc.Sequence[float]]) -> None: ...
 
@@ -995,15 +604,7 @@ class MeshTraceBasis(TraceBasis):
     ) -> None: ...
 
 class Domain(_Enumeration):
-    """What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.
-
-    Members:
-
-      Bulk
-
-      Larger
-
-      Crack"""
+    """What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack."""
 
     Bulk: typing.ClassVar[Domain]
     Crack: typing.ClassVar[Domain]
@@ -1015,69 +616,47 @@ class FormTerm:
 
     @property
     def body(self) -> CrackedMesh:
-        """
-        The CrackedMesh of its measure; None for a measure of NGSolve.
-        """
+        """The CrackedMesh of its measure; None for a measure of NGSolve."""
 
     @property
     def crack(self) -> int | None:
-        """
-        The number of the only crack that it is taken over, or None.
-        """
+        """The number of the only crack that it is taken over, or None."""
 
     @property
     def domain(self) -> Domain:
-        """
-        The Domain of its measure.
-        """
+        """The Domain of its measure."""
 
     @property
     def element_normal(self) -> bool:
-        """
-        Whether it holds NGSolve's normal vector, which is zero inside of elements.
-        """
+        """Whether it holds NGSolve's normal vector, which is zero inside of elements."""
 
     @property
     def elements(self) -> pyngcore.pyngcore.BitArray:
-        """
-        BitArray of the elements that it is restricted to, or None.
-        """
+        """BitArray of the elements that it is restricted to, or None."""
 
     @property
     def form(self) -> ngsolve.comp.SumOfIntegrals:
-        """
-        The integral as a form.
-        """
+        """The integral as a form."""
 
     @property
     def integrand(self) -> ngsolve.fem.CoefficientFunction:
-        """
-        The function that is integrated.
-        """
+        """The function that is integrated."""
 
     @property
     def on_boundary(self) -> bool:
-        """
-        Whether it is taken over the boundary, or an inner interface.
-        """
+        """Whether it is taken over the boundary, or an inner interface."""
 
     @property
     def regions(self) -> pyngcore.pyngcore.BitArray:
-        """
-        BitArray of the regions (materials or boundaries) that it is restricted to, or None.
-        """
+        """BitArray of the regions (materials or boundaries) that it is restricted to, or None."""
 
     @property
     def test(self) -> list[ngsolve.comp.ProxyFunction]:
-        """
-        The test functions in it, one for each operator that is applied to them.
-        """
+        """The test functions in it, one for each operator that is applied to them."""
 
     @property
     def trial(self) -> list[ngsolve.comp.ProxyFunction]:
-        """
-        The trial functions in it, one for each operator that is applied to them.
-        """
+        """The trial functions in it, one for each operator that is applied to them."""
 
 def BorderedMatrix(
     matrix: ngsolve.la.SparseMatrixd,
@@ -1087,42 +666,28 @@ def BorderedMatrix(
     row: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-    """
-    Upper triangle of [A, K^T; K, 0], A on the inner unknowns, in CSR format: (first, column, value). K in CSC format.
-    """
+    """Upper triangle of [A, K^T; K, 0], A on the inner unknowns, in CSR format: (first, column, value). K in CSC format."""
 
 def ElementMatrices(
     form: ngsolve.comp.BilinearForm, elements: typing.Annotated[numpy.typing.ArrayLike, numpy.int32]
 ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-    """
-    (matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the
-    numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1.
-    """
+    """(matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the
+    numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1."""
 
 def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
-    """
-    The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).
-    """
+    """The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray)."""
 
 def NumKeptRules(body: CrackedMesh) -> int:
-    """
-    How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.
-    """
+    """How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep."""
 
 def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:
-    """
-    Number of negative eigenvalues of a factorised matrix; -1: a pivot is not finite.
-    """
+    """Number of negative eigenvalues of a factorised matrix; -1: a pivot is not finite."""
 
 def OperatorName(proxy: ngsolve.comp.ProxyFunction) -> str:
-    """
-    The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ...
-    """
+    """The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ..."""
 
 def PointOf(functional: ngsolve.fem.PointEvaluationFunctional) -> tuple[float, float]:
-    """
-    The point (x, y) of an evaluation such as v(x, y) in a linear form.
-    """
+    """The point (x, y) of an evaluation such as v(x, y) in a linear form."""
 
 def SchurComplement(
     factors: ngsolve.la.BaseMatrix,
@@ -1131,23 +696,15 @@ def SchurComplement(
     row: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    K inv(A) K^T, dense, from sparsecholesky factors of A and K in CSC format.
-    """
+    """K inv(A) K^T, dense, from sparsecholesky factors of A and K in CSC format."""
 
 def StressPower(
     space: CrackFESpace, lam: ngsolve.fem.CoefficientFunction, mu: ngsolve.fem.CoefficientFunction, measure: CutDifferentialSymbol
 ) -> ngsolve.fem.BFI:
-    """
-    ∫ σ(u):ε(v) for a bilinear form on a CrackFESpace, σ = lam tr(ε) I + 2 mu ε: an integrator for form += ..., the same as the symbolic form, assembled faster.
-    """
+    """∫ σ(u):ε(v) for a bilinear form on a CrackFESpace, σ = lam tr(ε) I + 2 mu ε: an integrator for form += ..., the same as the symbolic form, assembled faster."""
 
 def TermsOf(form: ngsolve.comp.SumOfIntegrals) -> list[FormTerm]:
-    """
-    The FormTerms of a form, one for each integral.
-    """
+    """The FormTerms of a form, one for each integral."""
 
 def Variation(form: ngsolve.comp.SumOfIntegrals) -> ngsolve.comp.SumOfIntegrals:
-    """
-    An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve.
-    """
+    """An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve."""

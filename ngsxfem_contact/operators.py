@@ -92,46 +92,22 @@ def Strain(u: CoefficientFunction, side: str | None = None) -> CoefficientFuncti
 
 
 def NormalGap(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
-    """The normal gap g_n = jump(u)·n; negative: interpenetration. [AHLMR12] writes -⟦u_n⟧.
-
-    Returns
-    -------
-    CoefficientFunction
-        In the user's unit of length.
-    """
+    """The normal gap g_n = jump(u)·n, a length; negative: interpenetration. [AHLMR12] writes -⟦u_n⟧."""
     return InnerProduct(Jump(u), body.normal)
 
 
 def Slip(u: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
-    """The slip g_t = jump(u)·t: the plus side moves along t by g_t more than the minus side.
-
-    Returns
-    -------
-    CoefficientFunction
-        In the user's unit of length.
-    """
+    """The slip g_t = jump(u)·t, a length: the plus side moves along t by g_t more than the minus side."""
     return InnerProduct(Jump(u), body.tangent)
 
 
 def NormalStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
-    """σ_n = n·σn of a stress on the crack; ≤ 0 in compression.
-
-    Returns
-    -------
-    CoefficientFunction
-        In the unit of the stress.
-    """
+    """σ_n = n·σn of a stress on the crack; ≤ 0 in compression."""
     return InnerProduct(stress * body.normal, body.normal)
 
 
 def TangentialStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
-    """σ_t = t·σn of a stress on the crack.
-
-    Returns
-    -------
-    CoefficientFunction
-        In the unit of the stress.
-    """
+    """σ_t = t·σn of a stress on the crack."""
     return InnerProduct(stress * body.normal, body.tangent)
 
 

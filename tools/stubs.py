@@ -4,6 +4,7 @@ python tools/stubs.py [folder]         needs pybind11-stubgen and ruff, `make st
 """
 
 import ast
+import re
 import subprocess
 import sys
 import tempfile
@@ -33,14 +34,14 @@ def is_enumeration(node):
 
 def summary(docstring):
     """Its first paragraph below the signatures that pybind11 writes: the rest is in the extension itself."""
-    return docstring.strip().split("\n\n")[0]
+    return re.split(r"\n\s*\n", docstring.strip())[0]
 
 
 class Shortened(ast.NodeTransformer):
     """With the first paragraphs of docstrings, and without what every Python object has; what every enumeration has in one class, for the reader of types: each derives from object."""
 
     def visit_FunctionDef(self, node):
-        return None if node.name in LEFT_OUT else node
+        return None if node.name in LEFT_OUT else self.generic_visit(node)
 
     def visit_Constant(self, node):
         return ast.Constant(summary(node.value)) if isinstance(node.value, str) and "\n" in node.value else node
