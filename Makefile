@@ -56,6 +56,7 @@ sanitize: $(VENV)/dev_tools.stamp ## run the tests under the address and undefin
 wheel: $(VENV)/dev_tools.stamp ## build sdist and wheel in dist/, as a release does
 	$(BIN)/python -m build
 	sh tools/repair_wheel.sh $$(ls -t dist/*-linux_*.whl | head -n 1) dist $(BIN)/python
+	rm -f dist/*-linux_*.whl
 
 clean: ## remove all that was built, and .venv; keep results/
 	rm -rf build dist docs/tutorials $(VENV) ngsxfem_contact/_build_info.py ngsxfem_contact/_ngsxfem_contact*.so
@@ -69,8 +70,9 @@ $(VENV)/venv.stamp:
 	echo $(CURDIR) > $$($(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/study.pth
 	touch $@
 
+# What `make dev` installed stays editable.
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)
-	$(BIN)/pip install .
+	if [ -e $(VENV)/dev.stamp ]; then $(BIN)/pip install --no-build-isolation -e .; else $(BIN)/pip install .; fi
 	touch $@
 
 $(VENV)/dev_tools.stamp: $(VENV)/package.stamp

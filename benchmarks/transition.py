@@ -7,7 +7,6 @@ import argparse
 
 import numpy as np
 from ngsolve import GridFunction, LinearForm, ngsglobals
-from ngsxfem_contact.study.paper import MATERIAL
 from positions import closed_position
 from results import recorded
 from scipy.optimize import lsq_linear
@@ -15,6 +14,7 @@ from scipy.optimize import lsq_linear
 from ngsxfem_contact import ContactProblem, CrackedMesh, CrackFESpace, TraceSpace
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.spaces.trace_space import mass_matrix
+from study.paper import MATERIAL
 
 
 def best_approximation(W, exact, bonus_intorder=10):

@@ -18,7 +18,7 @@ except ImportError:  # Windows has none: there the user sees to it
 
 
 class UnreadableFile(ValueError):
-    """A file of earlier results is damaged; the message says where, and what to do."""
+    """A file is damaged, or not of the kind that it must be; the message says where, and what to do."""
 
 
 def write_whole(path: Path, write: Callable[[Path], Any], end: bytes = b"") -> Path:

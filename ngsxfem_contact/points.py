@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from ngsolve import Mesh
+
     from ._ngsxfem_contact import CrackedMesh
 
 
@@ -29,3 +31,8 @@ def crack_points(body: CrackedMesh, crack: int, arclengths: list[float] | np.nda
     points = body.mesh(np.full(len(elements), body.cracks[crack].points[0][0]), np.full(len(elements), body.cracks[crack].points[0][1]))
     points["nr"], points["x"], points["y"] = elements, xi, eta
     return points
+
+
+def mesh_arrays(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n,2) and triangles (m,3) of an NGSolve mesh, in its numbering."""
+    return mesh.ngmesh.Coordinates()[:, :2].copy(), mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1

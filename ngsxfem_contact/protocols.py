@@ -120,7 +120,7 @@ class FaceLaw(Protocol):
     def depends_on_path(self) -> bool:
         """Whether load steps hand the last solution on, from which slip is measured."""
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Any, cone: Cone, report: "Report", start: Any, max_iterations: int) -> np.ndarray:
+    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: "Report", start: Any, max_iterations: int) -> np.ndarray:
         """p.
 
         Parameters
@@ -133,7 +133,7 @@ class FaceLaw(Protocol):
         The iterations, and the active set of each, go into the report.
         """
 
-    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Any, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
+    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
         """(what is dissipated in a step, how far it may be off).
 
         Parameters
@@ -142,7 +142,7 @@ class FaceLaw(Protocol):
             p of the last step, or None.
         """
 
-    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Any, cone: Cone) -> float:
+    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Nodes, cone: Cone) -> float:
         """The largest violation of the law, relative; p is divided by `scale`, its largest value, w by the largest displacement."""
 
 

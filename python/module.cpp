@@ -1,4 +1,4 @@
-// Exports only: names equal to the C++ names, no logic, no defaults.
+// Exports only: names equal to the C++ names, no logic; defaults are NGSolve's or the core's.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>

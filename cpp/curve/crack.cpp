@@ -243,7 +243,7 @@ namespace ngsxfem_contact
   std::pair<double, Point> Distance (const Crack & a, const Crack & b)
   {
     std::pair<double, Point> best { std::numeric_limits<double>::infinity(), Point(0,0) };
-    auto p = a.Outline(), q = b.Outline();
+    auto p = a.Outline(0.02), q = b.Outline(0.02);
     std::vector<Box> boxes;
     for (size_t j = 0; j+1 < q.size(); j++) boxes.push_back(BoxOf(std::array { q[j], q[j+1] }));
     BoxTree tree(boxes);

@@ -63,7 +63,7 @@ namespace ngsxfem_contact
     Side SideOf (Point p) const;
 
     /// Points that follow the crack: the ends of the pieces, and of curved ones points between which they turn by `turn`.
-    std::vector<Point> Outline (double turn = 0.02) const;
+    std::vector<Point> Outline (double turn) const;
 
   private:
     void CheckPoints() const;

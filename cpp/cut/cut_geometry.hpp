@@ -1,5 +1,5 @@
 #pragma once
-// What the spaces, the rules and the forms ask of a body with cracks. The plane's answers are those of CrackedMesh.
+// What the spaces and the forms ask of a body with cracks. The plane's answers are those of CrackedMesh.
 
 #include "curve/crack.hpp"
 #include <algorithm>

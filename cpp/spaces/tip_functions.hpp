@@ -104,7 +104,6 @@ namespace ngsxfem_contact
       return { Chi(R), C, S, R, y };
     }
 
-  public:
     template <typename T>
     AutoDiff<2,T> Chi (AutoDiff<2,T> r) const
     {
@@ -120,7 +119,6 @@ namespace ngsxfem_contact
       return chi;
     }
 
-  private:
     template <typename T>
     static AutoDiff<2,T> Coordinate (Vec<2,T> d, Point axis)
     {

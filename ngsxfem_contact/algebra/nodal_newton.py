@@ -216,7 +216,27 @@ class FixedPoint:
         check_whole(self.max_iterations, "FixedPoint: max_iterations", 1)
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
-        """A NodalResult; raises NotConverged where the thresholds do not settle."""
+        """A NodalResult; raises NotConverged where the thresholds do not settle.
+
+        Parameters
+        ----------
+        Q : (2 m, 2 m) array
+            Positive definite, in any scaling.
+        q : (2 m,) array
+            At the nodes, normal parts first.
+        threshold : Threshold
+            s at the nodes.
+        r : float
+            Of the projection, > 0, relative to 1/diag(Q).
+        start : (m,) boolean array
+            The nodes in contact at first; default none.
+        max_iterations : int
+            Newton steps for each set of states.
+
+        Returns
+        -------
+        NodalResult
+        """
         m = len(start.contact)
         s, result, changes = threshold.At(np.zeros(m), start.contact), None, []
         history, fallback = [], 0
@@ -265,7 +285,27 @@ class FullNewton:
     safeguard: FixedPoint = FixedPoint()
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
-        """A NodalResult; raises NotConverged."""
+        """A NodalResult; raises NotConverged.
+
+        Parameters
+        ----------
+        Q : (2 m, 2 m) array
+            Positive definite, in any scaling.
+        q : (2 m,) array
+            At the nodes, normal parts first.
+        threshold : Threshold
+            s at the nodes.
+        r : float
+            Of the projection, > 0, relative to 1/diag(Q).
+        start : (m,) boolean array
+            The nodes in contact at first; default none.
+        max_iterations : int
+            Newton steps for each set of states.
+
+        Returns
+        -------
+        NodalResult
+        """
         if threshold.is_fixed:
             result = fixed_threshold(Q, q, threshold.base, r, start, max_iterations)
             return replace(result, method="semi-smooth Newton")

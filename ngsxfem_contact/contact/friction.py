@@ -157,8 +157,7 @@ class Coulomb(Friction):
 
     Notes
     -----
-    The law may have several solutions for a large mu_f. `report.uniqueness` is a number below which 1 proves that there is one NotConverged is raised
-    where none is found.
+    The law may have several solutions for a large mu_f. `report.uniqueness` below 1 proves that there is one. NotConverged is raised where none is found.
     """
 
     mu_f: float | CoefficientFunction

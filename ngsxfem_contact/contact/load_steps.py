@@ -70,6 +70,20 @@ class LoadSteps:
     ) -> ContactSolution:
         """The solution for the factors t.
 
+        Parameters
+        ----------
+        *t : float
+            One for each case.
+        cone
+            As for ContactProblem.Solve.
+        start
+            As for ContactProblem.Solve; default the active set of the step before.
+        max_iterations
+            As for ContactProblem.Solve.
+        previous
+            From which slip is measured; default the step before, None: the body without slip.
+
+
         Raises
         ------
         ValueError

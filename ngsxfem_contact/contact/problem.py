@@ -275,7 +275,7 @@ class ContactProblem:
             CoefficientFunction with two components or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on the region
             before is replaced.
         region : str
-            Names of boundaries, a regular expression; default all that V holds.
+            Names of boundaries, a regular expression.
 
         Raises
         ------
@@ -326,6 +326,22 @@ class ContactProblem:
     ) -> ContactSolution:
         """Solves the problem.
 
+        Parameters
+        ----------
+        inverse
+            NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for large problems where MKL is
+            installed.
+        cone
+            "nonpositive" or "weak"; default the problem's.
+        start
+            First active set: boolean, one for each nodal sign, or a ContactSolution on any mesh whose cracks have the same arc lengths; default: that of
+            `previous`, or from coarser sets.
+        max_iterations
+            Of the active set.
+        previous
+            With friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+
+
         Raises
         ------
         SingularSystem
@@ -333,6 +349,7 @@ class ContactProblem:
         NotCoercive
             gamma0 too large.
         NotConverged
+            If an iteration stops before its goal, or the answer does not satisfy its own equations.
         ValueError
             For data that are not finite.
 

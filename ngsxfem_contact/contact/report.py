@@ -46,13 +46,15 @@ class Report:
     method
         In words.
     threshold_changes
-        relative, of each step of a fixed point on the threshold.
+        Relative, of each step of a fixed point on the threshold.
     uniqueness
         Below 1 it proves that the law has one solution (0: convex problem, None: not known).
-
-    Notes
-    -----
-    With friction, tangential: states of the nodes in each iteration, codes of `nodal_newton`
+    tangential
+        With friction the states of the nodes in each iteration, codes of `nodal_newton`.
+    unknowns
+        Of the displacement and of the multiplier.
+    iterations
+        Of the active set.
     """
 
     unknowns: tuple[int, int]

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 class ContactSolution:
     """What a solve found: displacement, pressure, and what can be read from them.
 
-    u may be a function without arguments that computes u and the SupportResidual: it is called when one of them is first used.
-
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
 
     Parameters

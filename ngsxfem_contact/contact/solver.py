@@ -56,10 +56,8 @@ class ReducedProblem:
     ----------
     inverse
         As for ContactProblem.Solve.
-
-    Notes
-    -----
-    check=False: for studies of what happens when K - K_γ is not coercive; the residual and the signs of a solution are checked all the same.
+    check
+        False is for studies of what happens when K - K_γ is not coercive; the residual and the signs of a solution are checked all the same.
     """
 
     def __init__(self, problem: "ContactProblem", inverse: str | None = None, check: bool = True) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from ngsolve import CF, Conj, sqrt, x, y
@@ -16,20 +16,27 @@ from .._ngsxfem_contact import Crack
 from ..material import Elasticity
 from .closed_forms import ClosedForm
 
-if TYPE_CHECKING:
-    pass
-
 
 @dataclass(frozen=True)
 class OpenArc:
     """The arc of radius 1 around the origin between the angles π/2 ± alpha, from left to right, lips free of traction.
 
-    Attributes
+    Parameters
     ----------
-    σ₁, σ₂
-        Principal stresses at infinity; σ₁ makes the angle beta with the x-axis. With ω(z) = z Φ̄(1/z) + ψ̄(1/z), φ ± ω are continuous across the arc or
-        change sign there: φ, ω = ½ (X q ± (D z - Γ̄'/z)), X = √((z-a)(z-b)) cut along the arc, q = C - E/(ab z). C, D, E follow from the stress at
-        infinity and Ω(∞) = conj Φ(0). The body must not contain the origin, and the crack must be open: `exact.gap` > 0.
+    material
+        The Elasticity.
+    alpha
+        Half of the arc's angle.
+    stress
+        (σ₁, σ₂), the principal stresses at infinity.
+    beta
+        The angle of σ₁ with the x-axis.
+
+    Notes
+    -----
+    With ω(z) = z Φ̄(1/z) + ψ̄(1/z), φ ± ω are continuous across the arc or
+    change sign there: φ, ω = ½ (X q ± (D z - Γ̄'/z)), X = √((z-a)(z-b)) cut along the arc, q = C - E/(ab z). C, D, E follow from the stress at
+    infinity and Ω(∞) = conj Φ(0). The body must not contain the origin, and the crack must be open: `exact.gap` > 0.
     """
 
     material: Elasticity

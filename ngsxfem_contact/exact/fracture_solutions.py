@@ -58,9 +58,8 @@ def _uniform(material: Isotropic, xx: float, yy: float, xy: float) -> Coefficien
 def inclined(stress: float, psi: float) -> tuple[float, float, float]:
     """(normal, shear, along) on a crack under uniaxial `stress` whose axis makes the angle psi with the crack.
 
-    The axis points to (cos ψ, sin ψ) in the crack's coordinates. For compression, stress = -σ, with the angle of friction
-
-    φ: K_II = -σ sin ψ (cos ψ - sin ψ tan φ) √(πa), as long as it slips.
+    The axis points to (cos ψ, sin ψ) in the crack's coordinates. For compression, stress = -σ, with the angle of friction φ:
+    K_II = -σ sin ψ (cos ψ - sin ψ tan φ) √(πa), as long as it slips.
     """
     return stress * sin(psi) ** 2, stress * sin(psi) * cos(psi), stress * cos(psi) ** 2
 

@@ -15,6 +15,7 @@ from .._ngsxfem_contact import Crack, CrackedMesh
 from ..arguments import check_number, check_whole
 from ..errors import SingularSystem
 from ..files import write_whole
+from ..protocols import GrowthCriterion, GrowthLaw, members
 from ..spaces.resolution import warn_of_short_increment
 from .growth_laws import MaximumHoopStress
 from .stress_intensity import is_closed
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
     from ..contact.solution import ContactSolution
     from ..material import Isotropic
-    from ..protocols import GrowthCriterion, GrowthLaw
 
 logger = logging.getLogger(__name__)
 
@@ -109,8 +109,9 @@ class CrackGrowth:
             raise TypeError(f"CrackGrowth: make_problem={make_problem!r} is not a function of a list of cracks that returns a ContactProblem")
         if not isinstance(cracks, (list, tuple)) or not cracks or not all(isinstance(crack, Crack) for crack in cracks):
             raise TypeError(f"CrackGrowth: cracks={cracks!r} is not a list of one or more cracks")
-        if not hasattr(law, "Advances") or not (hasattr(criterion, "Angle") and hasattr(criterion, "Driving")):
-            raise TypeError(f"CrackGrowth: law={law!r} needs Advances, criterion={criterion!r} needs Angle and Driving")
+        for name, value, role in (("law", law, GrowthLaw), ("criterion", criterion, GrowthCriterion)):
+            if lacks := [member for member in members(role) if not hasattr(value, member)]:
+                raise TypeError(f"CrackGrowth: {name}={value!r} needs {' and '.join(lacks)}")
         self.make_problem, self.cracks, self.law, self.criterion, self.toughness = make_problem, list(cracks), law, criterion, toughness
         self.solutions, self.rows = [], []
         self.cycles = 0.0
@@ -127,10 +128,6 @@ class CrackGrowth:
         steps : int
             The largest number of states.
 
-        Returns
-        -------
-        dict
-            The table.
         """
         check_whole(steps, "CrackGrowth: steps", 0)
         for number in range(steps):
@@ -344,7 +341,7 @@ def tip_number(body: CrackedMesh, crack: int, end: str) -> int:
 
 
 def check_room(body: CrackedMesh, material: Isotropic, crack: int, end: str) -> None:
-    """Raises ValueError unless this end of the crack is a tip with a disk of two elements around it."""
+    """Raises ValueError unless this end of the crack is a tip with more than ROOM elements around it."""
     number = tip_number(body, crack, end)
     frame = TipFrame(body, number)
     room, limit = frame.Clearance(material)

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CF, BitArray, CoefficientFunction, IfPos, InnerProduct, Integrate
 
-from ..plotting.split_mesh import mesh_arrays
-from ..points import crack_points
+from ..points import crack_points, mesh_arrays
 from .tip_fields import SIDE
 
 if TYPE_CHECKING:

@@ -79,12 +79,6 @@ class Table:
             self.Refuse(f"it has {' and '.join(found) or 'none'} of {', '.join(keys)}; give exactly one of them")
         return found[0]
 
-    def Together(self, *keys: str) -> None:
-        """Refuses a table that has some of the keys and not the others."""
-        missing = [key for key in keys if key not in self.values]
-        if 0 < len(missing) < len(keys):
-            self.Refuse(f"the key is missing; {' and '.join(keys)} are given together", missing[0])
-
     @contextmanager
     def Blamed(self) -> Iterator[None]:
         """What the package refuses inside the block is refused by this table."""

@@ -167,7 +167,7 @@ class SupportResidual:
         return tractions
 
 
-def corner_edge(mesh: Mesh, name: str, boundary_element: float, vertex: int) -> CornerEdge | None:
+def corner_edge(mesh: Mesh, name: str, boundary_element: int, vertex: int) -> CornerEdge | None:
     """The CornerEdge of a boundary element at one of its vertices; None inside a body, where two triangles meet it."""
     ends = [v.nr for v in mesh[ElementId(BND, boundary_element)].vertices]
     behind = mesh[mesh[ElementId(BND, boundary_element)].edges[0]].elements

@@ -18,8 +18,9 @@ from ngsolve import CF, VTKOutput
 from ..arguments import check_number, check_positive
 from ..files import write_whole
 from ..operators import Minus, Plus
+from ..points import mesh_arrays
 from ..spaces.unknowns import Unknowns
-from .split_mesh import SplitMesh, mesh_arrays
+from .split_mesh import SplitMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -12,6 +12,7 @@ import scipy
 from ngsolve import BND, CF, H1, VOL, Discontinuous, GridFunction, Mesh, x, y
 
 from ..algebra.matrices import mask
+from ..points import mesh_arrays
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -141,13 +142,13 @@ def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarra
     cut = mask(body.CrackElements(None))
     uncut = np.flatnonzero(~cut)
     parts = [(int(element), part) for element in np.flatnonzero(cut) for part in body.Parts(int(element))]
-    pieces = [(t, element, int(part.side)) for element, part in parts for t in flat(part, body.CrackInTriangle(element, part.crack))]
-    corners = np.array([triangle for triangle, _, _ in pieces]).reshape(-1, 2)
+    flat_parts = [(t, element, int(part.side)) for element, part in parts for t in flat(part, body.CrackInTriangle(element, part.crack))]
+    corners = np.array([triangle for triangle, _, _ in flat_parts]).reshape(-1, 2)
     bends = np.concatenate([in_triangles(body, c, [0, *crack.kinks, crack.length]) for c, crack in enumerate(body.cracks)])
     points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)
     new = number[len(vertices) :]
     triangles = np.concatenate([number[elements[uncut]], new[: len(corners)].reshape(-1, 3)])
-    parent = np.concatenate([np.stack([uncut, 0 * uncut], axis=1), np.array([piece[1:] for piece in pieces], dtype=int).reshape(-1, 2)])
+    parent = np.concatenate([np.stack([uncut, 0 * uncut], axis=1), np.array([part[1:] for part in flat_parts], dtype=int).reshape(-1, 2)])
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
     thick = np.abs(cross(b - a, c - a)) > tolerance * longest  # others have a corner on an edge: they would be divided for ever
@@ -158,14 +159,14 @@ def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarra
     return points, triangles, parent
 
 
-def flat(piece: Part, crack: Crack) -> list[Sequence[tuple[float, float]]]:
-    """The triangles of a piece; a curved side becomes a polyline with kinks of less than 3 degrees."""
-    if piece.curved is None:
-        return [piece.triangle]
-    s0, s1 = piece.curved
+def flat(part: Part, crack: Crack) -> list[Sequence[tuple[float, float]]]:
+    """The triangles of a part; a curved side becomes a polyline with kinks of less than 3 degrees."""
+    if part.curved is None:
+        return [part.triangle]
+    s0, s1 = part.curved
     turn = max(abs(crack.CurvatureAt(s)) for s in np.linspace(s0, s1, 5)) * (s1 - s0)
     side = [crack.PointAt(s) for s in np.linspace(s0, s1, 1 + int(np.ceil(1e-3 + turn / 0.05)))]
-    return [(piece.triangle[0], a, b) for a, b in zip(side, side[1:])]
+    return [(part.triangle[0], a, b) for a, b in zip(side, side[1:])]
 
 
 def in_triangles(body: CrackedMesh, crack: int, arclengths: Sequence[float]) -> np.ndarray:
@@ -174,11 +175,6 @@ def in_triangles(body: CrackedMesh, crack: int, arclengths: Sequence[float]) -> 
     vertices, elements = mesh_arrays(body.mesh)
     v0, v1, v2 = (vertices[elements[element, k]] for k in range(3))
     return v2 + xi[:, None] * (v0 - v2) + eta[:, None] * (v1 - v2)
-
-
-def mesh_arrays(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (n,2) and triangles (m,3) of an NGSolve mesh, in its numbering."""
-    return mesh.ngmesh.Coordinates()[:, :2].copy(), mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
 
 
 def merged(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:

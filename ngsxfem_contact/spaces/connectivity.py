@@ -15,8 +15,6 @@ from .unknowns import Unknowns
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ngsolve import BitArray
-
     from .._ngsxfem_contact import CrackFESpace, ElementPart
     from ..loads.load import StiffnessForm
 
@@ -40,9 +38,9 @@ class VertexCopies:
     Attributes
     ----------
     corners
-        (n, 3), the copies at the corners of each piece, an element or what a crack leaves of it on one side.
+        (n, 3), the copies at the corners of each part of an element, or of a whole one.
     labels
-        (n,) the part of the body to which it belongs: pieces are joined where they share two copies, an edge; one copy alone is a hinge.
+        (n,) the part of the body to which it belongs: those are joined where they share two copies, an edge; one copy alone is a hinge.
     parts
         Their number.
     index
@@ -60,7 +58,7 @@ class VertexCopies:
                 self.enriched.setdefault(dof, []).append((j, shift, V.HeavisideCrack(j)))
         self.index = {}
         away, beside = self._elements()
-        self.corners = np.concatenate([away, np.array(list(self._pieces(beside)), dtype=int).reshape(-1, 3)])
+        self.corners = np.concatenate([away, np.array(list(self._parts(beside)), dtype=int).reshape(-1, 3)])
         self.vertex = np.concatenate([np.arange(self.nv), np.array([vertex for vertex, _ in self.index], dtype=int)])
         self.parts, self.labels = parts_joined_by_edges(self.corners, len(self.vertex))
 
@@ -72,7 +70,7 @@ class VertexCopies:
         beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
         return vertices[~beside], [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
 
-    def _pieces(self, elements: BitArray) -> Iterator[list[int]]:
+    def _parts(self, elements: list[tuple[int, Any]]) -> Iterator[list[int]]:
         """The copies at the corners of each part of the elements beside a crack."""
         body = self.V.body
         for element, vertices in elements:

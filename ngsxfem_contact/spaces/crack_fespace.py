@@ -177,9 +177,9 @@ class CrackFESpace(core.CrackFESpace):
                 flags[name] = joined_names(pattern)
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
         tips = tip_enrichments(tip, body, material)
-        specs = [None if enrichment is None else enrichment.Spec(body, place) for enrichment, place in zip(tips, body.tips)]
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
+        specs = [None if enrichment is None else enrichment.Spec(body, tip) for enrichment, tip in zip(tips, body.tips)]
         tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)
         if bubble is None:
             bubble = order > 1 and any(map(is_nearly_incompressible, [material, *(getattr(enrichment, "material", None) for enrichment in tips)]))

@@ -11,15 +11,13 @@ from ..points import place
 from .tip_disk import largest_disk
 
 if TYPE_CHECKING:
-    from ngsolve import BitArray
-
     from .._ngsxfem_contact import CrackedMesh, Tip, TipSpec
     from ..material import Isotropic
 
 CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
 
 
-def element_sizes(body: CrackedMesh, elements: BitArray) -> np.ndarray:
+def element_sizes(body: CrackedMesh, elements: np.ndarray | list[int]) -> np.ndarray:
     """The edges of equilateral triangles of the same areas."""
     nodes = body.mesh.ngmesh.Elements2D().NumPy()["nodes"][list(elements), :3] - 1
     a, b, c = np.moveaxis(body.mesh.ngmesh.Coordinates()[nodes, :2], 1, 0)

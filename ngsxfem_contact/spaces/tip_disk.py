@@ -9,7 +9,7 @@ import numpy as np
 from ..points import place
 
 if TYPE_CHECKING:
-    from ngsolve import BitArray, Mesh
+    from ngsolve import Mesh
 
     from .._ngsxfem_contact import CrackedMesh, Tip
     from ..material import Isotropic
@@ -48,7 +48,7 @@ def distance_to_others(mesh: Mesh, point: tuple[float, float], material: Isotrop
     return distance(mesh, np.flatnonzero(foreign[regions]), point)
 
 
-def distance(mesh: Mesh, elements: BitArray, point: tuple[float, float]) -> float:
+def distance(mesh: Mesh, elements: np.ndarray, point: tuple[float, float]) -> float:
     """Of a point from some straight triangles; inf if there are none, 0 inside of one."""
     if len(elements) == 0:
         return np.inf

@@ -238,7 +238,7 @@ def test_short_increments_warn_once():
 
 
 def test_laws_and_criteria_are_objects():
-    with pytest.raises(TypeError, match="needs Advances"):
+    with pytest.raises(TypeError, match="needs da and Advances"):
         CrackGrowth(pulled, EDGE, 0.1)
 
 

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import tempfile
 
 HEAVY = ["scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial", "scipy.special"]
 NOT_OURS = ["matplotlib", "tqdm", "IPython", "ipywidgets", "pandas", "mpmath", "ngsolve.webgui"]
@@ -11,7 +12,9 @@ NOT_OURS = ["matplotlib", "tqdm", "IPython", "ipywidgets", "pandas", "mpmath", "
 def loaded_by(*statements):
     """The modules that Python has loaded after each of the statements, in a process of its own."""
     script = "import json, sys\n" + "\n".join(f"{statement}\nprint(json.dumps(sorted(sys.modules)))" for statement in statements)
-    lines = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=120).stdout.splitlines()
+    lines = subprocess.run(
+        [sys.executable, "-c", script], check=True, capture_output=True, text=True, timeout=120, cwd=tempfile.gettempdir()
+    ).stdout.splitlines()
     return [set(json.loads(line)) for line in lines if line.startswith("[")]
 
 
