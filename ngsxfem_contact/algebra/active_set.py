@@ -22,7 +22,7 @@ ROUND_OFF = 1e-12
 
 @dataclass
 class ActiveSetResult:
-    """p: the solution.  active: the set of each iteration (boolean arrays).  fallback: steps of descend after a cycle."""
+    """The solution p, the active set of each iteration (boolean arrays), and the steps of descend after a cycle."""
 
     p: np.ndarray
     active: list[np.ndarray]

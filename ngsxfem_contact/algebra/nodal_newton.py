@@ -78,7 +78,7 @@ class States:
 
 @dataclass
 class NodalResult:
-    """p: the solution.  states: of each iteration.  fallback: steps of the safeguard.  method: what led to p, in words."""
+    """The solution p, the states of each iteration, the steps of the safeguard, and what led to p, in words."""
 
     p: np.ndarray
     states: list[States]

@@ -312,7 +312,7 @@ def largest_ratios(R: np.ndarray, A: np.ndarray, sizes: np.ndarray, kernel: floa
 
 
 def largest_of_kind(values: np.ndarray, V: CrackFESpace, dofs: np.ndarray) -> np.ndarray:
-    """For each unknown of each element the largest of its values that have its unit: of all polynomials, or of the functions of its tip.  values, dofs: (n, k)."""
+    """For each unknown of each element the largest of its values that have its unit: of all polynomials, or of the functions of its tip; values and dofs are (n, k)."""
     kinds = Unknowns(V).Kinds(dofs)
     largest = np.zeros(values.shape)
     for kind in range(kinds.max() + 1):

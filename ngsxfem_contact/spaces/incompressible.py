@@ -72,7 +72,7 @@ def stress(material: Isotropic | WithoutPressure, u: CoefficientFunction, side: 
 def stress_power(
     material: Isotropic | WithoutPressure, u: CoefficientFunction, v: CoefficientFunction, pressure: PressureField | None = None
 ) -> CoefficientFunction:
-    """σ(u):ε(v), in which D takes the place of both divergences.  pressure: the PressureField π: D + π/λ_L takes their place."""
+    """σ(u):ε(v), in which D takes the place of both divergences; with a PressureField π, D + π/λ_L does."""
     if not is_projected(u.space, material):
         return material.StressPower(Strain(u), Strain(v))
     both = dilatation(material, u), dilatation(material, v)
