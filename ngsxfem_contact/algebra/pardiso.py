@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
 SYMMETRIC_INDEFINITE = -2
-ANALYSE, FACTORISE, FORWARD, BACKWARD, RELEASE = 11, 22, 331, 333, -1
+ANALYSE, FACTORISE, FORWARD, BACKWARD, SOLVE, RELEASE = 11, 22, 331, 333, 33, -1
+SCHUR = 35
 PARAMETERS = {
     0: 1,  # the parameters below hold
     1: 2,  # nested dissection
@@ -30,7 +31,7 @@ PARAMETERS = {
     20: 1,  # Bunch-Kaufman pivots
     23: 1,  # two-level parallel factorisation
     34: 1,  # zero-based indices
-    35: 2,  # Schur complement, and factors that can solve
+    SCHUR: 2,  # Schur complement, and factors that can solve
 }
 NEGATIVE_EIGENVALUES = 22
 
@@ -103,6 +104,8 @@ class Pardiso:
         self.size = len(self.first) - 1
         self.handle, self.parameters = np.zeros(64, dtype=np.int64), np.zeros(64, dtype=np.int32)
         self.parameters[list(PARAMETERS)] = list(PARAMETERS.values())
+        if self.m == 0:  # Pardiso's partial solves end the process where the complement is empty
+            self.parameters[SCHUR] = 0
         self.in_schur = np.zeros(self.size, dtype=np.int32)
         self.in_schur[self.size - self.m :] = 1
         negative = np.zeros((max(self.m, 1),) * 2)
@@ -135,6 +138,8 @@ class Pardiso:
     def _forward(self, rhs: np.ndarray) -> np.ndarray:
         padded, result = np.zeros(self.size), np.zeros(self.size)
         padded[: self.size - self.m] = rhs[self.inner] / self.unit
+        if self.m == 0:
+            return padded
         self._call(FORWARD, padded, result)
         return result
 
@@ -146,7 +151,7 @@ class Pardiso:
         """A⁻¹ rhs; zero where an unknown is not in the factorisation."""
         half, result, x = self._forward(rhs), np.zeros(self.size), np.zeros(len(self.inner))
         half[self.size - self.m :] = 0
-        self._call(BACKWARD, half, result)
+        self._call(BACKWARD if self.m else SOLVE, half, result)
         x[self.inner] = result[: self.size - self.m]
         return x
 
