@@ -1,6 +1,6 @@
 """The roles: what each part asks of objects that others may write. docs/extending.md has a minimal object for each that is meant for users.
 
-An object has a role if it has the members; it need not inherit from anything here.    `check_role` names those that are missing.
+An object has a role if it has the members; it need not inherit from anything here. `check_role` names those that are missing.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -17,6 +17,7 @@ problem is linear; Newton's method solves it and reads the next states from y, u
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -196,8 +197,36 @@ def fixed_threshold(Q: np.ndarray, q: np.ndarray, s: np.ndarray, r: np.ndarray, 
         return replace(result, states=cycle.states + result.states)
 
 
+class NodalMethod(ABC):
+    """How a law with friction finds p = (p_n, p_t) at m nodes from w = Q p + q."""
+
+    @abstractmethod
+    def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
+        """A NodalResult.
+
+        Parameters
+        ----------
+        Q : (2 m, 2 m) array
+            Positive definite, in any scaling.
+        q : (2 m,) array
+            At the nodes, normal parts first.
+        threshold : Threshold
+            s at the nodes.
+        r : (2 m,) array
+            Of the projection, > 0.
+        start : States
+            The nodes in contact, and how they slip, at first.
+        max_iterations : int
+            Newton steps for each set of states.
+
+        Raises
+        ------
+        NotConverged
+        """
+
+
 @dataclass(frozen=True)
-class FixedPoint:
+class FixedPoint(NodalMethod):
     """Coulomb's law as a sequence of given thresholds: s ← s(p_n), each a problem with one solution.
 
     Parameters
@@ -216,27 +245,7 @@ class FixedPoint:
         check_whole(self.max_iterations, "FixedPoint: max_iterations", 1)
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
-        """A NodalResult; raises NotConverged where the thresholds do not settle.
-
-        Parameters
-        ----------
-        Q : (2 m, 2 m) array
-            Positive definite, in any scaling.
-        q : (2 m,) array
-            At the nodes, normal parts first.
-        threshold : Threshold
-            s at the nodes.
-        r : float
-            Of the projection, > 0, relative to 1/diag(Q).
-        start : (m,) boolean array
-            The nodes in contact at first; default none.
-        max_iterations : int
-            Newton steps for each set of states.
-
-        Returns
-        -------
-        NodalResult
-        """
+        """A NodalResult; raises NotConverged where the thresholds do not settle."""
         m = len(start.contact)
         s, result, changes = threshold.At(np.zeros(m), start.contact), None, []
         history, fallback = [], 0
@@ -271,7 +280,7 @@ class FixedPoint:
 
 
 @dataclass(frozen=True)
-class FullNewton:
+class FullNewton(NodalMethod):
     """Newton's method on the whole problem, the threshold's dependence on p_n in its matrix; if it cycles, a safeguard.
 
     The safeguard is `box_path.follow_path` where s is given, and otherwise FixedPoint.
@@ -285,27 +294,7 @@ class FullNewton:
     safeguard: FixedPoint = FixedPoint()
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
-        """A NodalResult; raises NotConverged.
-
-        Parameters
-        ----------
-        Q : (2 m, 2 m) array
-            Positive definite, in any scaling.
-        q : (2 m,) array
-            At the nodes, normal parts first.
-        threshold : Threshold
-            s at the nodes.
-        r : float
-            Of the projection, > 0, relative to 1/diag(Q).
-        start : (m,) boolean array
-            The nodes in contact at first; default none.
-        max_iterations : int
-            Newton steps for each set of states.
-
-        Returns
-        -------
-        NodalResult
-        """
+        """A NodalResult; raises NotConverged."""
         if threshold.is_fixed:
             result = fixed_threshold(Q, q, threshold.base, r, start, max_iterations)
             return replace(result, method="semi-smooth Newton")

@@ -16,7 +16,7 @@ from ngsolve import CoefficientFunction
 
 from ..algebra import nodal_newton
 from ..algebra.active_set import solve_active_set
-from ..algebra.nodal_newton import FixedPoint, FullNewton, Threshold, first_states, uniqueness_number, violation
+from ..algebra.nodal_newton import FullNewton, NodalMethod, Threshold, first_states, uniqueness_number, violation
 from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
 
@@ -51,7 +51,7 @@ class Frictionless:
 class Friction(ABC):
     """What Tresca and Coulomb share: a normal and a tangential multiplier, and nodal states."""
 
-    method: FullNewton | FixedPoint
+    method: NodalMethod
 
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
@@ -161,7 +161,7 @@ class Coulomb(Friction):
     """
 
     mu_f: float | CoefficientFunction
-    method: FullNewton | FixedPoint = FullNewton()
+    method: NodalMethod = FullNewton()
 
     def __post_init__(self) -> None:
         check_threshold(self.mu_f, "Coulomb: mu_f")

@@ -39,10 +39,10 @@ class LoadCase:
 class ReducedCase:
     """A load case eliminated: `reduced` is F + F_γ - A U_D as the crack feels it, g = E A⁻¹(F + F_γ - A U_D) + E U_D.
 
-    F, given (U_D), load, jumps: as in LoadCase.
-
     Parameters
     ----------
+    F, given, load, jumps
+        As in LoadCase; `given` is U_D.
     given_traction
         F_γ and G_γ, see `ContactSystem.Given`.
 

@@ -1,4 +1,4 @@
-"""The nodes of multipliers in the plane: points of curves.    protocols.Nodes is what is asked of nodes."""
+"""The nodes of multipliers in the plane: points of curves. protocols.Nodes is what is asked of nodes."""
 
 from __future__ import annotations
 
