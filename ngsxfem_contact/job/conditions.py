@@ -128,9 +128,7 @@ def point_force(table: Table, problem: ContactProblem) -> None:
 def face_pressure(table: Table, problem: ContactProblem) -> None:
     """ContactProblem.FacePressure."""
     values = table.Take({"face_pressure": formula, "crack": whole, "bonus_intorder": whole})
-    pressure = values.pop("face_pressure")
-    if not_zero(pressure):
-        problem.FacePressure(pressure, **values)
+    problem.FacePressure(values.pop("face_pressure"), **values)
 
 
 def face_traction(table: Table, problem: ContactProblem) -> None:
@@ -140,8 +138,7 @@ def face_traction(table: Table, problem: ContactProblem) -> None:
     sides = inner.Take({"plus": two_formulas, "minus": two_formulas})
     if not sides:
         table.Refuse("it has neither plus nor minus; give one of them or both", "face_traction")
-    if any(not_zero(component) for side in sides.values() for component in side):
-        problem.FaceTraction(sides.get("plus", (0, 0)), sides.get("minus", (0, 0)), **values)
+    problem.FaceTraction(**sides, **values)
 
 
 def not_zero(value: Any) -> bool:
