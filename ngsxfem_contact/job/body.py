@@ -98,9 +98,7 @@ def rectangle(table: Table, rectangle: list[list[float]], maxh: float) -> Mesh:
     if not size / LARGEST <= maxh < float("inf"):
         table.Refuse(f"{maxh} must be positive, and at least {size / LARGEST:g}, a thousandth of the longer side", "maxh")
     geometry = SplineGeometry()
-    corners = [geometry.AppendPoint(*p) for p in (low, (high[0], low[1]), high, (low[0], high[1]))]
-    for i, name in enumerate(SIDES):
-        geometry.Append(["line", corners[i], corners[(i + 1) % 4]], bc=name)
+    geometry.AddRectangle(low, high, bcs=SIDES)
     return Mesh(geometry.GenerateMesh(maxh=maxh))
 
 
