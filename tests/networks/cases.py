@@ -3,7 +3,8 @@
     python -m tests.networks.cases
 
 solves each case on three meshes and writes `reference.json`: the arms and loads, and each figure as [value, error]. The error is the largest change from the
-second to the third mesh among the figures of its kind and case. E = 1, ν = 0.3, plane strain; arms are numbered from 0, and every arm has at most one tip.
+second to the third mesh among the figures of its kind and case. E = 1, ν = 0.3, plane strain. Arms are numbered from 0; + is left of the way from the first point to the
+second. Forces are resultants on the plus side, compression > 0, and friction along the arm; K_II > 0 where the left face, seen towards the tip, is ahead.
 """
 
 from __future__ import annotations
@@ -44,6 +45,8 @@ CASES = {
     "Y, two arms closed": (Y, dict(sigma=((0.5, 0.2), (0.2, -1)))),
     "Y, one arm closed in part": (Y, dict(sigma=((-0.2, 0.2), (0.2, -1)))),
     "T, straight crack closed": (T, dict(sigma=((0.5, 0.2), (0.2, -1)))),
+    "Y, two arms closed, friction 0.3": (Y, dict(sigma=((0.5, 0.2), (0.2, -1)), friction=0.3)),
+    "T, straight crack closed, friction 0.2": (T, dict(sigma=((0.5, 0.2), (0.2, -1)), friction=0.2)),
     "T, one arm closed in part": (T, dict(sigma=((-1, 0.5), (0.5, -0.2)))),
     "kink of 120 degrees, pressure": (star(180, 120), PRESSURE),
     "kink of 120 degrees, tension in y": (star(180, 120), dict(sigma=((0, 0), (0, 1)))),
@@ -53,27 +56,30 @@ CASES |= {f"cross, pressure, half-width {ratio} A": (CROSS, dict(half_width=rati
 
 
 def figures(arms, level, half_width=1.0, **load):
-    """Name → value; K in a disk that touches no other arm, K_I at tips that are open only."""
+    """Name → value; K in a disk that touches no other arm, K_I at tips that are open only, K_II of tips that rub from the slip."""
     body = FittedBody(arms, half_width, **level)
     solution, found = body.Solve(**load), {}
     directions = np.array([arm.t for arm in body.arms])
     for arm, end in body.tips:
         nearest = max([0.5] + [d @ body.arms[arm].t for k, d in enumerate(directions) if k != arm])  # cosine
         radius = 0.95 * A * np.sqrt(1 - nearest**2)
-        for name, K in zip(("K_I", "K_II"), solution.StressIntensity((arm, end), radius)):
-            found |= {} if np.isnan(K) else {f"{name}, arm {arm}": K}
+        K_I, K_II = solution.StressIntensity((arm, end), radius)
+        found |= {} if np.isnan(K_I) else {f"K_I, arm {arm}": K_I}
+        found |= {f"K_II, arm {arm}": solution.StressIntensityFromJumps((arm, end), 0.02 * A)[1] if np.isnan(K_II) else K_II}
     for arm in range(len(arms)):
         for fraction in FRACTIONS:
             opening, slip = solution.Jump(arm, fraction)
             found |= {f"opening, arm {arm} at {fraction}": opening, f"slip, arm {arm} at {fraction}": slip}
-        found |= {f"force, arm {arm}": solution.ContactForce(arm), f"closed, arm {arm}": solution.ClosedPart(arm)}
+        normal, tangential = solution.ContactForce(arm)
+        found |= {f"force, arm {arm}": normal, f"closed, arm {arm}": solution.ClosedPart(arm)}
+        found |= {f"friction force, arm {arm}": tangential} if solution.friction else {}
     return found | {"energy": solution.energy}
 
 
 def kind(name):
     """What errors are compared within: jumps with jumps, K_I with K_II."""
     head = name.split(",")[0]
-    return {"slip": "opening", "K_II": "K_I"}.get(head, head)
+    return {"slip": "opening", "K_II": "K_I", "friction force": "force"}.get(head, head)
 
 
 def with_errors(fine, medium):
@@ -112,7 +118,7 @@ def main(names):
             sep="\n",
             flush=True,
         )
-        FILE.write_text(text(kept), encoding="utf-8")
+        FILE.write_text(text({name: kept[name] for name in CASES if name in kept}), encoding="utf-8")
 
 
 if __name__ == "__main__":

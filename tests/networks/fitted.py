@@ -2,7 +2,7 @@
 
 Nothing of the package is used. A square in plane strain is meshed along the arms, with vertices doubled there: one copy for each fan of triangles that
 hang together around a vertex without crossing an arm. Elements are of high order and shrink geometrically towards tips and meeting points.
-Faces are loaded by a pressure, or are in frictionless contact; sides are loaded by the tractions of a uniform stress.
+Faces are loaded by a pressure, and are in contact, with friction or without; sides are loaded by the tractions of a uniform stress.
 
 `cases.py` has the cases that are kept in `reference.json`.
 """
@@ -13,11 +13,11 @@ from functools import cached_property
 
 import numpy as np
 from ngsolve import CF, VERTEX, BilinearForm, BitArray, Grad, GridFunction, InnerProduct, Integrate, LinearForm, NodeId, VectorH1, ds, dx
-from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
-from scipy.sparse.linalg import splu
+from scipy.sparse import csr_matrix
 
+from .contact import Pairs
 from .meshing import SIDES, Arm, SplitMesh
-from .tip_fields import NU, E, TipFields, stress
+from .tip_fields import KAPPA, MU, NU, E, TipFields, stress
 
 
 class FittedBody:
@@ -43,16 +43,7 @@ class FittedBody:
         self.space = VectorH1(self.mesh, order=order)
         u, v = self.space.TnT()
         self.K = to_scipy(BilinearForm(InnerProduct(stress(Grad(u)), Grad(v)) * dx).Assemble().mat)
-        self._Rows()
-
-    def _Rows(self):
-        """Normal gaps as rows on pairs of unknowns: of vertices (arm, plus, minus) and of edges, by the place they stand at."""
-        edges = {tuple(v.nr for v in edge.vertices): edge for edge in self.mesh.edges}
-        dofs = lambda edge: self.space.components[0].GetDofNrs(edges[tuple(sorted(edge))])
-        self.pairs = sorted({(arm, p[k], m[k]) for arm, p, m in self.lips for k in (0, 1) if p[k] != m[k]})
-        number = {pair: i for i, pair in enumerate(self.pairs)}
-        self.edge_ends = [[number[arm, p[k], m[k]] for k in (0, 1) if p[k] != m[k]] for arm, p, m in self.lips]
-        self.edge_dofs = [list(zip(dofs(p), dofs(m))) for _, p, m in self.lips]
+        self.pairs = Pairs(self)
 
     @cached_property
     def tips(self):
@@ -71,64 +62,17 @@ class FittedBody:
                 f += CF(tuple(sign * pressure * arm.n)) * v * ds(f"{lip}{k}")
         return f.Assemble().vec.FV().NumPy().copy()
 
-    def Solve(self, pressure=0.0, sigma=((0, 0), (0, 0)), contact=True):
-        """A Solution; with contact the normal gaps are ≥ 0, found by an active set of vertices."""
+    def Solve(self, pressure=0.0, sigma=((0, 0), (0, 0)), contact=True, friction=0.0):
+        """A Solution; with contact normal gaps are ≥ 0, and Coulomb's friction acts."""
         load = self.Load(pressure, sigma)
-        closed = np.full(len(self.pairs), contact)
-        for _ in range(60):
-            u, force = self._SolveClosed(load, closed)
-            gap = np.array([self.Gap(u, *pair) for pair in self.pairs])
-            before, closed = closed, np.where(closed, force > 0, gap < -1e-12 * np.abs(u).max()) if contact else closed
-            if np.array_equal(before, closed):
-                return Solution(self, u, load, pressure, closed, force)
-        raise RuntimeError("the active set did not settle in 60 steps: take another mesh")
-
-    def Gap(self, u, arm, plus, minus):
-        """Normal gap of a pair of unknowns of the two lips of an arm."""
-        n = len(u) // 2
-        return (u[[plus, n + plus]] - u[[minus, n + minus]]) @ self.arms[arm].n
-
-    def _ActiveRows(self, closed):
-        """The rows (group, arm, plus, minus) that are closed. An edge is when its ends are, a tip always being closed; groups share unknowns."""
-        for row in np.flatnonzero(closed):
-            yield int(self.old[self.pairs[row][1]]), *self.pairs[row]
-        for (arm, _, _), ends, dofs in zip(self.lips, self.edge_ends, self.edge_dofs):
-            if len(ends) and closed[ends].all():
-                yield from ((-1 - int(plus), arm, plus, minus) for plus, minus in dofs)
-
-    def _SolveClosed(self, load, closed):
-        """The displacement with these gaps zero, and the contact force at each vertex pair: zero where it is open."""
-        groups = {}
-        for group, *row in self._ActiveRows(closed):
-            groups.setdefault(group, []).append(row)
-        basis, matrices = self._Basis(groups)
-        reduced = csc_matrix(basis.T @ self.K @ basis)
-        u = basis @ splu(reduced, permc_spec="MMD_AT_PLUS_A", options=dict(SymmetricMode=True), diag_pivot_thresh=0.0).solve(basis.T @ load)
-        residual, number, force = self.K @ u - load, {pair: i for i, pair in enumerate(self.pairs)}, np.zeros(len(closed))
-        for group, (dofs, rows) in matrices.items():
-            if group >= 0:
-                force[[number[tuple(row)] for row in groups[group]]] = np.linalg.lstsq(rows.T, residual[dofs], rcond=None)[0]
-        return u, force
-
-    def _Basis(self, groups):
-        """Columns that span the displacements with the gaps of the groups zero and three unknowns held; the rows of each group."""
-        n, matrices, entries = self.space.ndof // 2, {}, []
-        corner = lambda sx: int(np.argmin(np.abs(self.points - (sx * self.half_width, -self.half_width)).sum(axis=1)))
-        held = {corner(-1), n + corner(-1), n + corner(1)}
-        for group, rows in groups.items():
-            dofs = sorted({d for _, plus, minus in rows for p in (plus, minus) for d in (p, n + p)})
-            place, matrix = {d: i for i, d in enumerate(dofs)}, np.zeros((len(rows), len(dofs)))
-            for i, (arm, plus, minus) in enumerate(rows):
-                for sign, p in ((1, plus), (-1, minus)):
-                    matrix[i, [place[p], place[n + p]]] += sign * self.arms[arm].n
-            matrices[group] = dofs, matrix
-            _, values, vectors = np.linalg.svd(matrix)
-            entries += [(dofs, column) for column in vectors[np.sum(values > 1e-10) :]]
-        single = set(range(2 * n)) - held - {d for dofs, _ in matrices.values() for d in dofs}
-        entries += [([d], [1.0]) for d in sorted(single)]
-        columns = np.repeat(np.arange(len(entries)), [len(dofs) for dofs, _ in entries])
-        data = np.concatenate([values for _, values in entries]), (np.concatenate([dofs for dofs, _ in entries]), columns)
-        return csr_matrix(coo_matrix(data, shape=(2 * n, len(entries)))), matrices
+        status, rng = self.pairs.Start(contact, friction), np.random.default_rng(0)
+        for step in range(100):
+            u, forces = self.pairs.Solve(load, status, friction)
+            after = self.pairs.Next(status, self.pairs.Jumps(u), forces, friction) if contact else status
+            if after == status:
+                return Solution(self, u, pressure, status, forces, friction)
+            status = after if step < 10 else self.pairs.Half(status, after, rng)
+        raise RuntimeError("the active set did not settle in 100 steps: take another mesh")
 
 
 def to_scipy(matrix):
@@ -146,8 +90,8 @@ class Solution:
         ½ ∫ σ:ε.
     """
 
-    def __init__(self, body, u, load, pressure, closed, force):
-        self.body, self.pressure, self.closed, self.force = body, pressure, closed, force
+    def __init__(self, body, u, pressure, status, forces, friction):
+        self.body, self.pressure, self.closed, self.forces, self.friction = body, pressure, status.closed, forces, friction
         self.u = GridFunction(body.space)
         self.u.vec.FV().NumPy()[:] = u
         self.energy = 0.5 * u @ (body.K @ u)
@@ -171,17 +115,17 @@ class Solution:
         return self.u(where)[0]
 
     def ContactForce(self, arm):
-        """Resultant normal force on an arm, > 0 in compression; without the share of the tip's vertex, half a tip_h of pressure."""
-        return float(sum(f for f, pair in zip(self.force, self.body.pairs) if pair[0] == arm))
+        """Resultants on an arm (normal, > 0 in compression; tangential, along t on the plus side); the tip's vertex is left out, half a tip_h of pressure."""
+        return tuple(map(float, self.forces[:, [pair[0] == arm for pair in self.body.pairs.vertices]].sum(axis=1)))
 
     def ClosedPart(self, arm):
         """Closed length over length."""
-        edges = [(p, ends) for (k, p, _), ends in zip(self.body.lips, self.body.edge_ends) if k == arm]
+        edges = [(p, ends) for (k, p, _), ends in zip(self.body.lips, self.body.pairs.edge_ends) if k == arm]
         size = lambda edge: np.linalg.norm(np.subtract(*self.body.points[list(edge)]))
         return float(sum(size(p) for p, ends in edges if ends and self.closed[ends].all()) / self.body.arms[arm].length)
 
     def StressIntensity(self, tip, radius):
-        """(K_I, K_II) at (arm, end) by the interaction integral over a disk that has no other arm; K_I is nan where faces touch in it.
+        """(K_I, K_II) at (arm, end) by the interaction integral over a disk that has no other arm; K_I is nan where faces touch in it, K_II where they rub.
 
         K_II > 0 where the left face, seen towards the tip, is ahead of the right one.
         """
@@ -194,9 +138,21 @@ class Solution:
             term -= InnerProduct(stress(aux), gradient) * (e1 * frame.q_gradient)
             near = self._Near(frame.tip, radius)
             K.append(Integrate(term.Compile() * dx(definedonelements=near, bonus_intorder=self.body.space.globalorder + 8), self.body.mesh))
-        touching = any(c and p[0] == tip[0] and np.linalg.norm(self.body.points[p[1]] - frame.tip) < radius for c, p in zip(self.closed, self.body.pairs))
-        K[0] += np.nan if touching else self.pressure * frame.faces
+        K[0] += self.pressure * frame.faces
+        if self._Touches(tip[0], frame.tip, radius):
+            K = [np.nan, np.nan if self.friction else K[1]]
         return tuple(E / (2 * (1 - NU**2)) * k for k in K)
+
+    def StressIntensityFromJumps(self, tip, distance):
+        """(K_I, K_II) from opening and slip at two small distances behind the tip, extrapolated to it; whatever the faces do."""
+        arm, end = self.body.arms[tip[0]], tip[1]
+        jump = lambda r: np.array(self.Jump(tip[0], 1 - r / arm.length if end else r / arm.length))
+        K = lambda r: MU / (KAPPA + 1) * np.sqrt(2 * np.pi / r) * jump(r)
+        return tuple(map(float, 2 * K(distance) - K(2 * distance)))
+
+    def _Touches(self, arm, place, radius):
+        near = lambda vertex: np.linalg.norm(self.body.points[vertex] - place) < radius
+        return any(closed and k == arm and near(plus) for closed, (k, plus, _) in zip(self.closed, self.body.pairs.vertices))
 
     def _Near(self, place, radius):
         """The elements that a disk meets, as a BitArray; some more."""

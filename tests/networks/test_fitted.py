@@ -36,10 +36,28 @@ def test_a_straight_crack_under_pressure():
 def test_a_straight_crack_closed_under_shear():
     """K_II = τ√(πa) at both tips, contact force -σ_yy 2a, although σ_xx is there."""
     solution = wide().Solve(sigma=((0.4, 0.3), (0.3, -1)))
-    assert solution.ClosedPart(0) == 1 and np.isclose(solution.ContactForce(0), 2 * A, rtol=3e-3)
+    assert solution.ClosedPart(0) == 1 and np.allclose(solution.ContactForce(0), (2 * A, 0), rtol=3e-3)
     for tip in wide().tips:
         K = solution.StressIntensity(tip, 0.9 * A)
         assert np.isnan(K[0]) and np.isclose(K[1] / ROOT, 0.3, atol=1e-3)
+
+
+@pytest.mark.parametrize("friction, K_II", [(0.2, 0.1), (0.4, 0)])
+def test_a_straight_crack_with_friction(friction, K_II):
+    """K_II = (τ - μp)√(πa) where it slides; with μp > τ it sticks, and the stress is uniform."""
+    solution = wide().Solve(sigma=((0.4, 0.3), (0.3, -1)), friction=friction)
+    for tip in wide().tips:
+        assert np.isclose(solution.StressIntensityFromJumps(tip, 0.02 * A)[1] / ROOT, K_II, atol=5e-4)
+    assert np.allclose(solution.ContactForce(0), (2 * A, -2 * A * min(friction, 0.3)), rtol=3e-3)
+
+
+def test_two_ways_to_the_stress_intensity():
+    """The interaction integral over a disk, and the jumps near the tip, where the elements resolve √r to some 1e-3."""
+    body = FittedBody(Y, **COARSE)
+    solution = body.Solve(**CASES["Y, two arms closed"][1])
+    for tip, modes in zip(body.tips, ((0, 1), (1,), (1,))):
+        ways = solution.StressIntensity(tip, 0.2), solution.StressIntensityFromJumps(tip, 0.02 * A)
+        assert np.allclose(*np.array(ways)[:, modes], atol=2e-3)
 
 
 def test_pressure_is_tension_from_all_sides():
@@ -59,7 +77,7 @@ def test_the_energy_release_rate_with_contact():
     assert len(K) == 4 and np.isclose((energy[0] - energy[1]) / (2 * step), (1 - NU**2) / E * np.square(K).sum(), rtol=3e-3)
 
 
-@pytest.mark.parametrize("name", ["cross, pressure", "T, tension in x", "Y, two arms closed"])
+@pytest.mark.parametrize("name", ["cross, pressure", "T, tension in x", "Y, two arms closed", "T, straight crack closed, friction 0.2"])
 def test_the_stored_figures(name):
     """A coarse mesh is within 0.1 % of the largest figure of a kind; the stored errors are far below that."""
     stored, found = reference(name), coarse(name)
