@@ -13,6 +13,12 @@ import numpy as np
 ARMS = {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)}  # from the junction
 
 
+def blocks_beside(arm):
+    """The blocks (row, column) on the plus and on the minus side: above and below, left and right."""
+    x, y = ARMS[arm]
+    return ((1, (x + 1) // 2), (0, (x + 1) // 2)) if y == 0 else (((y + 1) // 2, 0), ((y + 1) // 2, 1))
+
+
 @dataclass(frozen=True)
 class FourBlocks:
     """The unit square cut by a horizontal and a vertical crack through `junction`; each block (row, column) has a uniform stress.
@@ -55,22 +61,16 @@ class FourBlocks:
     def Slip(self, arm, distance):
         """(u⁺ - u⁻)·t at this distance from the junction."""
         horizontal = ARMS[arm][1] == 0
-        plus, minus = self._Blocks(arm)
+        plus, minus = blocks_beside(arm)
         at = distance * np.array(ARMS[arm], float)
         u = [c + G @ at for c, G in (self.Displacement(*plus), self.Displacement(*minus))]
         return (u[0] - u[1])[0 if horizontal else 1]
-
-    @staticmethod
-    def _Blocks(arm):
-        """The blocks on the plus and on the minus side: above and below, left and right."""
-        x, y = ARMS[arm]
-        return ((1, (x + 1) // 2), (0, (x + 1) // 2)) if y == 0 else (((y + 1) // 2, 0), ((y + 1) // 2, 1))
 
     def Forces(self, arm):
         """(∫σ_n, ∫σ_t, ∫σ_n ρ), ρ the distance along the crack from the junction."""
         length, along = self.Length(arm), sum(ARMS[arm])
         horizontal = ARMS[arm][1] == 0
-        stress = self.Stress(*self._Blocks(arm)[0])
+        stress = self.Stress(*blocks_beside(arm)[0])
         normal, shear = (stress[1, 1], self.tau) if horizontal else (stress[0, 0], -self.tau)
         return normal * length, shear * length, normal * along * length**2 / 2
 
@@ -143,7 +143,7 @@ def equilibrium_residuals(forces, loads):
     for arm, (normal, shear, moment) in forces.items():
         horizontal = ARMS[arm][1] == 0
         on_minus = np.array([shear, normal, moment] if horizontal else [-normal, shear, moment])  # n = (0,1), or (-1,0)
-        for sign, block in zip((-1, 1), FourBlocks._Blocks(arm)):
+        for sign, block in zip((-1, 1), blocks_beside(arm)):
             total[block] = total[block] + sign * on_minus
     return total
 

@@ -3,7 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
-from networks.blocks import ARMS, Brickwork, FourBlocks, SmoothWall, all_slide, equilibrium_residuals, pushed_row, row_slides, sticking
+from networks.blocks import ARMS, Brickwork, FourBlocks, SmoothWall, all_slide, blocks_beside, equilibrium_residuals, pushed_row, row_slides, sticking
 from networks.planar import facts
 from networks.rings import RingContact, with_pressure
 
@@ -27,7 +27,7 @@ def test_states_of_four_blocks(state, friction):
     for arm, direction in ARMS.items():
         normal = 1 if direction[1] == 0 else 0
         for s in (0, 0.2):
-            u = [c + G @ (s * np.array(direction)) for c, G in (state.Displacement(*block) for block in state._Blocks(arm))]
+            u = [c + G @ (s * np.array(direction)) for c, G in (state.Displacement(*block) for block in blocks_beside(arm))]
             assert np.isclose(u[0][normal], u[1][normal], atol=1e-15)
     G = state.Displacement(1, 0)[1]
     assert np.allclose(LAME[0] * np.trace(G) * np.eye(2) + LAME[1] * (G + G.T), state.Stress(1, 0))
