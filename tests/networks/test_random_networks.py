@@ -41,7 +41,7 @@ def test_what_overlaps_is_refused():
         facts([[(0.0, 2.0**-70), (0.5, 0.5)]])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(12))
 def test_random_networks(seed):
     """Blocks traced face by face are those of Euler's formula, and fill the square; every end is of one kind."""
     rng = np.random.default_rng(seed)
