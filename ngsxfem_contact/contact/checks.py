@@ -102,7 +102,7 @@ def check_coercive(problem: ContactProblem, elimination: Elimination) -> None:
     """Raises NotCoercive for a γ for which K - K_γ is not positive definite (against K)."""
     stabilisation = problem.stabilisation
     proved = elimination.positive and not trait(stabilisation, "needs_eigenvalue")
-    if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.friction.components)):
+    if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.law.components)):
         return
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
@@ -130,7 +130,7 @@ def Coercivity(problem: ContactProblem) -> float:
     V = problem.V
     u, v = V.TnT()
     K = stiffness_form(problem).Assemble().mat
-    squared = problem.ComparedTraction().Squared(u, v, problem.friction.components)
+    squared = problem.ComparedTraction().Squared(u, v, problem.law.components)
     K_gamma = to_scipy(BilinearForm(gamma * squared * problem.body.dcrack).Assemble().mat)
     if problem.is_mixed:
         K_gamma -= LocalPressures(problem, gamma).Stiffness()

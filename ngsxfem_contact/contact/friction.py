@@ -195,6 +195,6 @@ def checked_values(nodes: Nodes, function: Coefficient, name: str) -> np.ndarray
     return values
 
 
-def transformation(friction: FaceLaw, cone: Cone, nodes: Nodes) -> np.ndarray:
+def transformation(law: FaceLaw, cone: Cone, nodes: Nodes) -> np.ndarray:
     """L = T p for all components of the multiplier."""
-    return scipy.linalg.block_diag(*[cone.Transformation(nodes)] * len(friction.components))
+    return scipy.linalg.block_diag(*[cone.Transformation(nodes)] * len(law.components))

@@ -94,8 +94,8 @@ class ContactProblem:
         "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap
         Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
-    friction
-        None (default), Tresca(s) or Coulomb(mu_f).
+    law
+        Of the faces: None (default), no friction; Tresca(s), Coulomb(mu_f).
     initial_stress
         σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
     temperature
@@ -136,7 +136,7 @@ class ContactProblem:
         stabilisation: Stabilisation | None = BarbosaHughes(),
         cone: str = "nonpositive",
         gap: Coefficient = 0,
-        friction: FaceLaw | None = None,
+        law: FaceLaw | None = None,
         initial_stress: CoefficientFunction | None = None,
         temperature: Coefficient | None = None,
     ) -> None:
@@ -153,15 +153,15 @@ class ContactProblem:
         material = material_of(V, material)
         if stabilisation is not None:
             check_role(stabilisation, Stabilisation, "ContactProblem: stabilisation", "an object such as BarbosaHughes()")
-        if friction is not None:
-            check_role(friction, FaceLaw, "ContactProblem: friction", "Tresca(s) nor Coulomb(mu_f)")
+        if law is not None:
+            check_role(law, FaceLaw, "ContactProblem: law", "Tresca(s) nor Coulomb(mu_f)")
         decide(V, material)
         check_modes(V, material)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
         self.stabilisation: Stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
-        self.friction: FaceLaw = friction if friction is not None else Frictionless()
+        self.law: FaceLaw = law if law is not None else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
@@ -297,7 +297,7 @@ class ContactProblem:
 
     def Gamma(self) -> CoefficientFunction | None:
         """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
-        gamma = self.stabilisation.Gamma(self.V, self.material, self.friction.components)
+        gamma = self.stabilisation.Gamma(self.V, self.material, self.law.components)
         return softened(gamma, self.a.joint)
 
     @property

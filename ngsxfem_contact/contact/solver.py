@@ -132,7 +132,7 @@ class ReducedProblem:
             found = self._nodal_solution(options, case, cone, report)
         previous, nodes, moments = options.previous, self.system.nodes, case.g + self.S @ found.L
         residual = moments - found.G
-        work = problem.friction.Work(found.p, found.T.T @ residual, nodes, cone, None if previous is None else previous.state.p)
+        work = problem.law.Work(found.p, found.T.T @ residual, nodes, cone, None if previous is None else previous.state.p)
         state = State(nodes, found.L, moments - case.given_traction.G, residual, found.p, work)
         recover = lambda: self._recover(found, report)
         return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, case)
@@ -142,7 +142,7 @@ class ReducedProblem:
         G = self._gaps(options.previous) + case.given_traction.G
         q = T.T @ (case.g - G)
         start = self._first_set(Q, q, options, report)
-        p = self.problem.friction.Solve(Q, q, self.system.nodes, cone, report, start, options.max_iterations)
+        p = self.problem.law.Solve(Q, q, self.system.nodes, cone, report, start, options.max_iterations)
         return NodalSolution(case, cone, T, p, G)
 
     def _gaps(self, previous: ContactSolution | None) -> np.ndarray:
@@ -177,7 +177,7 @@ class ReducedProblem:
     def Signs(self, cone: Cone) -> tuple[np.ndarray, np.ndarray]:
         """T with L = T p, and Tᵀ S T; checked once for each cone."""
         if cone not in self.transformed:
-            T = transformation(self.problem.friction, cone, self.system.nodes)
+            T = transformation(self.problem.law, cone, self.system.nodes)
             Q = T.T @ self.S @ T
             if self.check:
                 check_multiplier(Q, self.system.gamma is not None)
@@ -229,14 +229,14 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     """
     T, p = found.T, found.p
     w = T.T @ (system.Moments(U, found.L) - found.G)
-    lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.friction.components)), TINY)
+    lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.law.components)), TINY)
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
     displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max())
     scale = max(np.abs(p).max(), TINY)
-    return problem.friction.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, found.cone)
+    return problem.law.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, found.cone)
 
 
 def multipliers(problem: "ContactProblem", system: ContactSystem, L: np.ndarray) -> list[GridFunction]:
     """L as GridFunctions: λ, and λ_t with friction."""
-    names = ("multiplier", "tangential_multiplier")[: len(problem.friction.components)]
+    names = ("multiplier", "tangential_multiplier")[: len(problem.law.components)]
     return [system.Function(problem, values, name) for name, values in zip(names, np.split(L, len(names)))]

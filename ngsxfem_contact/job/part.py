@@ -113,7 +113,7 @@ def problem_of(one: dict[str, Table], many: dict[str, list[Table]], values: dict
     if "stabilisation" in values:
         options["stabilisation"] = conditions.stabilisation_of(one["stabilisation"])
     if "friction" in values:
-        options["friction"] = conditions.friction_of(one["friction"])
+        options["law"] = conditions.friction_of(one["friction"])
     with Table({}, "[contact], [initial], [friction]", one["mesh"].file).Blamed():
         problem = ContactProblem(V, W, **options)
     for table in many["load"]:

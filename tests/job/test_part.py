@@ -107,7 +107,7 @@ def test_two_regions_of_gmsh_friction_and_pressure_on_the_faces(tmp_path, versio
     (solution,) = part_of(tmp_path, LAYERED.format(file=file) + FRICTION).Solve()
     _, material, body = layered(file)
     V = CrackFESpace(body, order=2, material=material, dirichlet="bottom")
-    problem = ContactProblem(V, TraceSpace(body), friction=Coulomb(0.2 + 0.2 * x))
+    problem = ContactProblem(V, TraceSpace(body), law=Coulomb(0.2 + 0.2 * x))
     problem.f += CF((-0.02, -0.1)) * V.TestFunction() * body.ds("top")
     problem.FacePressure(0.04)
     other = problem.Solve()
@@ -200,7 +200,7 @@ def test_what_is_left_out_has_the_defaults_of_the_package(tmp_path):
     other = ContactProblem(V, W)
     assert (part.title, part.factors, part.inverse) == ("part", None, None)
     assert (part.problem.V.ndof, part.problem.V.order, part.problem.W.order) == (V.ndof, V.order, W.order)
-    assert (part.problem.stabilisation, part.problem.friction, part.problem.cone) == (other.stabilisation, other.friction, other.cone)
+    assert (part.problem.stabilisation, part.problem.law, part.problem.cone) == (other.stabilisation, other.law, other.cone)
     assert [spec.r1 for spec in part.problem.V.tip_specs] == [spec.r1 for spec in V.tip_specs]
 
 

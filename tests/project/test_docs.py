@@ -106,9 +106,9 @@ def test_what_a_role_lacks_is_named():
         tolerance = 1e-5
 
     problem = paper_problem(unstructured_mesh(0.2))
-    for role in ({"stabilisation": Half()}, {"friction": Half()}):
+    for role in ({"stabilisation": Half()}, {"law": Half()}):
         (option,) = role
-        missing = {"stabilisation": "has no Gamma and no IsSafe", "friction": "has no depends_on_path and no Solve and no Work and no Violation"}[option]
+        missing = {"stabilisation": "has no Gamma and no IsSafe", "law": "has no depends_on_path and no Solve and no Work and no Violation"}[option]
         with pytest.raises(TypeError, match=f"ContactProblem: {option}=.* {missing}; docs/extending.md"):
             ngsxfem_contact.ContactProblem(problem.V, problem.W, MATERIAL, **role)
     with pytest.raises(TypeError, match="CrackFESpace: tip=.* has no Spec; docs/extending.md"):
@@ -120,7 +120,7 @@ def test_the_minimal_objects_work():
     usual = paper_problem(mesh).Solve()
     constant = paper_problem(mesh, stabilisation=added("Constant")(1e-3)).Solve()
     assert constant.ContactForce() == pytest.approx(usual.ContactForce(), rel=0.02)
-    pressed, held = paper_problem(mesh, "C").Solve(), paper_problem(mesh, "C", friction=added("NoSeparation")()).Solve()
+    pressed, held = paper_problem(mesh, "C").Solve(), paper_problem(mesh, "C", law=added("NoSeparation")()).Solve()
     assert pressed.report.Counts()["contact"] < len(pressed.report.active[-1]) == held.report.Counts()["contact"]
     assert held.Profile().sigma_n.max() > 0 and np.abs(held.state.residual).max() < 1e-10
     problem = paper_problem(mesh)
@@ -171,16 +171,16 @@ def test_the_law_of_friction_that_is_added_works():
     exact = uniform_stress(MATERIAL, 0.3, 0.25, -1)
     body = ngsxfem_contact.CrackedMesh(rotated_square(angle, offset, 0.2), crack_on_axis(*mouths(angle, offset)))
     V = ngsxfem_contact.CrackFESpace(body, order=2, dirichlet="outer")
-    block = ngsxfem_contact.ContactProblem(V, ngsxfem_contact.TraceSpace(body, order=1), MATERIAL, friction=law(c=0.1, mu_f=0.15))
+    block = ngsxfem_contact.ContactProblem(V, ngsxfem_contact.TraceSpace(body, order=1), MATERIAL, law=law(c=0.1, mu_f=0.15))
     block.SetDirichlet(exact.u + CF((IfPos(y, 0.05, -0.05), 0)), "outer")
     solution = block.Solve()
     assert np.abs(solution.Profile().sigma_t - 0.25).max() < 1e-9 and np.abs(solution.Profile().slip - 0.1).max() < 1e-9
 
     mesh = unstructured_mesh(0.06)
     for own, known in ((law(0, 0.3), Coulomb(0.3)), (law(0.05, 0), Tresca(0.05, in_contact_only=True))):
-        ours, theirs = (paper_problem(mesh, "C", friction=friction).Solve().Multipliers() for friction in (own, known))
+        ours, theirs = (paper_problem(mesh, "C", law=friction).Solve().Multipliers() for friction in (own, known))
         assert np.abs(ours - theirs).max() < 1e-10 * np.abs(theirs).max()
-    both = paper_problem(mesh, "C", friction=law(0.01, 0.3)).Solve()
+    both = paper_problem(mesh, "C", law=law(0.01, 0.3)).Solve()
     p_n, p_t = np.split(both.Multipliers(), 2)
     assert (np.abs(p_t) <= np.where(p_n < 0, 0.01 - 0.3 * p_n, 0) + 1e-12).all() and (p_t[p_n < 0] < 0.3 * p_n[p_n < 0] - 0.009).any()
 
@@ -231,7 +231,7 @@ def test_the_guide_runs(capsys):
     blocks = code_of("guide.md")
     assert len(blocks) == 9
     for block in blocks:
-        if "material=rock" in block or "friction=" in block or "stabilisation=" in block:
+        if "material=rock" in block or "law=" in block or "stabilisation=" in block:
             own = dict(names)
             exec(block, own)
             own["problem"].f += CF((2, -5)) * own["V"].TestFunction() * own["body"].ds("top")
