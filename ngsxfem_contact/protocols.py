@@ -4,7 +4,7 @@ An object has a role if it has the members; it need not inherit from anything he
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from ._ngsxfem_contact import CrackedMesh, CrackFESpace, Tip, TipSpec
     from .contact.contact_system import ContactSystem
+    from .contact.faces import Faces, FaceWork, Scales
     from .contact.problem import ContactProblem
     from .contact.report import Report
     from .contact.solution import ContactSolution
@@ -109,7 +110,8 @@ class CompleteStabilisation(Stabilisation, Protocol):
 class FaceLaw(Protocol):
     """The law of the faces: which components of the traction there are, and how p is found from w = Q p + q.
 
-    p are the nodal values whose signs are checked, of all components one after the other; w minus the weighted gaps and slips.
+    p are the nodal values whose signs are checked, of all components one after the other; w minus the weighted gaps and slips, counted from the body
+    without slip. `contact.faces.Faces` turns both into tractions and jumps.
     """
 
     @property
@@ -118,32 +120,31 @@ class FaceLaw(Protocol):
 
     @property
     def depends_on_path(self) -> bool:
-        """Whether load steps hand the last solution on, from which slip is measured."""
+        """Whether load steps hand on what the faces have gone through."""
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: "Report", start: Any, max_iterations: int) -> np.ndarray:
+    def Solve(self, Q: np.ndarray, q: np.ndarray, faces: "Faces", start: np.ndarray | None, report: "Report", max_iterations: int) -> np.ndarray:
         """p.
 
         Parameters
         ----------
+        faces
+            The nodes, and what the faces have gone through.
         start
-            Nodes in contact at first, boolean.
+            Nodes in contact at first, boolean; None: as the law likes.
 
         Notes
         -----
         The iterations, and the active set of each, go into the report.
         """
 
-    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
-        """(what is dissipated in a step, how far it may be off).
+    def Variables(self, p: np.ndarray, w: np.ndarray, faces: "Faces") -> dict[str, np.ndarray]:
+        """What the law has to remember of its way to p and w beside tractions and jumps: values at the nodes, by name."""
 
-        Parameters
-        ----------
-        before
-            p of the last step, or None.
-        """
+    def Work(self, p: np.ndarray, w: np.ndarray, faces: "Faces") -> "FaceWork":
+        """What the step dissipates, and what the faces store."""
 
-    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Nodes, cone: Cone) -> float:
-        """The largest violation of the law, relative; p is divided by `scale`, its largest value, w by the largest displacement."""
+    def Violation(self, p: np.ndarray, w: np.ndarray, faces: "Faces", scales: "Scales") -> float:
+        """The largest violation of the law, relative to the scales."""
 
 
 class TipFunctions(Protocol):

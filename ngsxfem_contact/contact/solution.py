@@ -232,11 +232,11 @@ class ContactSolution:
 
         After a previous step by the trapezoidal rule for the threshold, which may change on the way; a first step has its last threshold.
         """
-        return self.state.work[0]
+        return self.state.work.dissipated
 
     def FrictionWorkError(self) -> float:
         """How far FrictionWork() may be off because the threshold changes within the step: the difference of the trapezoidal from the end-point rule."""
-        return self.state.work[1]
+        return self.state.work.error
 
     def Multipliers(self) -> np.ndarray:
         """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""

@@ -7,7 +7,6 @@ import numpy as np
 import scipy
 from ngsolve import GridFunction
 
-from ..algebra.active_set import coarse_start
 from ..algebra.elimination import Elimination
 from ..errors import NotConverged
 from ..loads.load import LoadTerms
@@ -17,6 +16,7 @@ from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
 from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
 from .contact_system import ContactSystem
+from .faces import FaceHistory, Faces, Scales
 from .friction import transformation
 from .load_case import LoadCase, ReducedCase
 from .options import StepOptions
@@ -33,10 +33,10 @@ CONVERGED = 1e-8  # residual and complementarity of an answer, relative
 
 @dataclass
 class NodalSolution:
-    """What was found on the crack's own unknowns: L = T p, with G the right-hand side of the second row of (38), for a case and a cone."""
+    """What was found on the crack's own unknowns: L = T p, with G the right-hand side of the second row of (38), for a case and faces."""
 
     case: ReducedCase
-    cone: Cone
+    faces: Faces
     T: np.ndarray
     p: np.ndarray
     G: np.ndarray
@@ -129,50 +129,41 @@ class ReducedProblem:
             (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
         )
         with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"):
-            found = self._nodal_solution(options, case, cone, report)
-        previous, nodes, moments = options.previous, self.system.nodes, case.g + self.S @ found.L
-        residual = moments - found.G
-        work = problem.law.Work(found.p, found.T.T @ residual, nodes, cone, None if previous is None else previous.state.p)
-        state = State(nodes, found.L, moments - case.given_traction.G, residual, found.p, work)
+            found = self._nodal_solution(options, case, Faces(self.system.nodes, cone, self._history(options.previous, cone)), report)
         recover = lambda: self._recover(found, report)
-        return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, case)
+        return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, self._state(found), case)
 
-    def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
-        T, Q = self.Signs(cone)
-        G = self._gaps(options.previous) + case.given_traction.G
-        q = T.T @ (case.g - G)
-        start = self._first_set(Q, q, options, report)
-        p = self.problem.law.Solve(Q, q, self.system.nodes, cone, report, start, options.max_iterations)
-        return NodalSolution(case, cone, T, p, G)
+    def _nodal_solution(self, options: StepOptions, case: ReducedCase, faces: Faces, report: Report) -> NodalSolution:
+        T, Q = self.Signs(faces.cone)
+        G = self.system.G + case.given_traction.G
+        p = self.problem.law.Solve(Q, T.T @ (case.g - G), faces, self._first_set(options), report, options.max_iterations)
+        return NodalSolution(case, faces, T, p, G)
 
-    def _gaps(self, previous: ContactSolution | None) -> np.ndarray:
-        """G of the second row of (38); its tangential part is (B - C_γ)_t U + D_γ L_t of the previous solution.
+    def _state(self, found: NodalSolution) -> State:
+        law, faces, p = self.problem.law, found.faces, found.p
+        residual = found.case.g + self.S @ found.L - found.G
+        w = found.T.T @ residual
+        return State(faces.nodes, faces.cone, found.L, residual, faces.After(p, w, law.Variables(p, w, faces)), law.Work(p, w, faces))
 
-        Where a node sticks, the slip beyond the previous one is zero; measured with its stabilising part it is zero
-        exactly for unchanged loads.
-        """
+    def _history(self, previous: ContactSolution | None, cone: Cone) -> FaceHistory | None:
+        """What the faces have gone through; slip with its stabilising part, so that it is zero exactly where a node sticks and the load is unchanged."""
         problem = self.problem
         if previous is None:
-            return self.system.G
+            return None
         if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
             raise ValueError("previous is a solution on other spaces; load steps need one on the V and W of the problem")
-        if len(previous.state.moments) != len(self.system.G):
+        if previous.state.cone != cone:
+            raise ValueError(f"previous is a solution with the cone {previous.state.cone}, this one has {cone}; all load steps need the same")
+        if len(previous.problem.law.components) != len(problem.law.components):
             raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")
-        G = self.system.G.copy()
-        G[len(self.system.nodes) :] = previous.state.moments[len(self.system.nodes) :]
-        return G
+        return previous.state.history
 
-    def _first_set(self, Q: np.ndarray, q: np.ndarray, options: StepOptions, report: Report) -> Any:
-        nodes, start = self.system.nodes, options.start
-        if start is None and options.previous is not None:
+    def _first_set(self, options: StepOptions) -> Any:
+        if options.start is None and options.previous is not None:
             return options.previous.report.active[-1]
-        if isinstance(start, ContactSolution):
-            return active_on(nodes, start)
-        if start is not None:
-            return start
-        n = len(nodes)
-        active, report.coarse_iterations = coarse_start(Q[:n, :n], q[:n], nodes.neighbours)
-        return active
+        if isinstance(options.start, ContactSolution):
+            return active_on(self.system.nodes, options.start)
+        return options.start
 
     def Signs(self, cone: Cone) -> tuple[np.ndarray, np.ndarray]:
         """T with L = T p, and Tᵀ S T; checked once for each cone."""
@@ -233,7 +224,7 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
     displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max())
     scale = max(np.abs(p).max(), TINY)
-    return problem.law.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, found.cone)
+    return problem.law.Violation(p, w, found.faces, Scales(scale, np.maximum(lengths * displacement, TINY)))
 
 
 def multipliers(problem: "ContactProblem", system: ContactSystem, L: np.ndarray) -> list[GridFunction]:
