@@ -60,7 +60,14 @@ class Scales:
 
 @dataclass(frozen=True)
 class Faces:
-    """The nodes of the faces, the cone that says what p and w mean there, and their FaceHistory (None: nothing has happened).
+    """The nodes of the faces, and the cone that says what p and w = Q p + q mean there.
+
+    Parameters
+    ----------
+    compliance
+        (k n,), the diagonal of Q.
+    history
+        Their FaceHistory; None: nothing has happened.
 
     Notes
     -----
@@ -69,6 +76,7 @@ class Faces:
 
     nodes: Nodes
     cone: Cone
+    compliance: np.ndarray
     history: FaceHistory | None = None
 
     @cached_property
@@ -80,6 +88,11 @@ class Faces:
     def jump_weights(self) -> np.ndarray:
         """(n,): -w of the jump 1."""
         return self.nodes.weights / self.traction_weights
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """(k, n), stress / length: what the body opposes to a jump at one node alone."""
+        return self.jump_weights / (self.compliance.reshape(-1, len(self.nodes)) * self.traction_weights)
 
     def Tractions(self, p: np.ndarray) -> np.ndarray:
         """(k, n) stresses."""

@@ -16,6 +16,7 @@ from ngsolve import CoefficientFunction
 
 from ..algebra import nodal_newton
 from ..algebra.active_set import coarse_start, solve_active_set
+from ..algebra.face_relations import LinearClosure, SlidingRelation
 from ..algebra.nodal_newton import FullNewton, NodalMethod, Threshold, first_states, uniqueness_number, violation
 from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
@@ -53,6 +54,16 @@ class Frictionless:
         """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, relative."""
         p, w = p / scales.traction, w / scales.moments
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
+
+    def At(self, nodes: Nodes) -> SlidingRelation:
+        """Beside other laws: nothing resists slip."""
+        return rigid(Threshold(np.zeros(len(nodes)), np.zeros(len(nodes))))
+
+
+def rigid(threshold: nodal_newton.Threshold) -> SlidingRelation:
+    """Faces that touch without giving way, and slide at a threshold."""
+    n = len(threshold.base)
+    return SlidingRelation(LinearClosure(np.full(n, INFINITY)), threshold, np.full(n, INFINITY), np.zeros(n))
 
 
 def first_contact(Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report) -> np.ndarray:
@@ -158,6 +169,10 @@ class Tresca(Friction):
         """s at the nodes, or ∫sψ_i for the weak cone."""
         return Threshold(cone.Values(nodes, checked_values(nodes, self.s, "Tresca: s")), np.zeros(len(nodes)), self.in_contact_only)
 
+    def At(self, nodes: Nodes) -> SlidingRelation:
+        """Beside other laws."""
+        return rigid(Threshold(checked_values(nodes, self.s, "Tresca: s"), np.zeros(len(nodes)), self.in_contact_only))
+
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
         """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise."""
         return 0.0 if threshold.is_fixed else None
@@ -195,6 +210,10 @@ class Coulomb(Friction):
     def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
         """s = μ_f |p_n| at the nodes."""
         return Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f"))
+
+    def At(self, nodes: Nodes) -> SlidingRelation:
+        """Beside other laws."""
+        return rigid(Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f")))
 
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float:
         """See nodal_newton.uniqueness_number."""

@@ -8,9 +8,10 @@ import numpy as np
 from ..arguments import check_type, check_whole
 from ..protocols import Cone
 from .cones import CONES
+from .faces import FaceHistory
 from .solution import ContactSolution
 
-Start: TypeAlias = np.ndarray | ContactSolution | None  # boolean, one for each nodal sign, or a solution
+Start: TypeAlias = np.ndarray | ContactSolution | FaceHistory | None  # boolean, one for each nodal sign, a solution, or what its faces carry
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from .cones import CONES
 from .contact_system import ContactSystem
 from .friction import Frictionless
 from .mixed_system import MixedSystem
+from .nodal_law import LawByCrack
 from .options import Start, StepOptions
 from .solution import ContactSolution
 from .solver import ReducedProblem
@@ -66,6 +68,17 @@ def check_no_function(stress: CoefficientFunction) -> None:
         raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
 
 
+def law_of(law: FaceLaw | Mapping[int, FaceLaw | None] | None, body: CrackedMesh) -> FaceLaw:
+    """The law of all faces. Raises TypeError for what is none, ValueError for a crack that is not there."""
+    if isinstance(law, Mapping):
+        for crack in law:
+            check_item(crack, body.cracks, "crack", "body.cracks")
+        return LawByCrack({crack: law_of(own, body) for crack, own in law.items()}, Frictionless())
+    if law is not None:
+        check_role(law, FaceLaw, "ContactProblem: law", "a law such as Coulomb(mu_f), a mapping {crack: law}")
+    return Frictionless() if law is None else law
+
+
 def material_of(V: CrackFESpace, material: Isotropic | None) -> Isotropic:
     """The one that is given, or that of V. Raises TypeError if there is none, ValueError if they are two."""
     own: Isotropic | None = getattr(V, "material", None)
@@ -95,7 +108,8 @@ class ContactProblem:
     gap
         Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
     law
-        Of the faces: None (default), no friction; Tresca(s), Coulomb(mu_f).
+        Of the faces: None (default), contact without friction; Tresca(s), Coulomb(mu_f), MohrCoulomb, Joint, BartonBandis, LinearCohesive, ExponentialCohesive,
+        Dugdale; or {number of a crack: its law}, None on the others.
     initial_stress
         σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
     temperature
@@ -136,7 +150,7 @@ class ContactProblem:
         stabilisation: Stabilisation | None = BarbosaHughes(),
         cone: str = "nonpositive",
         gap: Coefficient = 0,
-        law: FaceLaw | None = None,
+        law: FaceLaw | Mapping[int, FaceLaw | None] | None = None,
         initial_stress: CoefficientFunction | None = None,
         temperature: Coefficient | None = None,
     ) -> None:
@@ -153,15 +167,13 @@ class ContactProblem:
         material = material_of(V, material)
         if stabilisation is not None:
             check_role(stabilisation, Stabilisation, "ContactProblem: stabilisation", "an object such as BarbosaHughes()")
-        if law is not None:
-            check_role(law, FaceLaw, "ContactProblem: law", "Tresca(s) nor Coulomb(mu_f)")
         decide(V, material)
         check_modes(V, material)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
         self.stabilisation: Stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
-        self.law: FaceLaw = law if law is not None else Frictionless()
+        self.law = law_of(law, V.body)
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)

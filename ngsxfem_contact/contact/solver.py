@@ -123,21 +123,38 @@ class ReducedProblem:
         """
         problem, case, cone = self.problem, case or self.case, options.Cone(self.problem.cone)
         self.system.CheckCone(cone)
-        case = case if self.initial is None else self.initial + case
+        case = self._with_initial(case)
         problem.supports.CheckOverlap(case.jumps, problem.gap, np.abs(case.given).max())
         report = Report(
             (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
         )
         with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"):
-            found = self._nodal_solution(options, case, Faces(self.system.nodes, cone, self._history(options.previous, cone)), report)
-        recover = lambda: self._recover(found, report)
-        return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, self._state(found), case)
+            found = self._nodal_solution(options, case, cone, report)
+        recover, state = lambda: self._recover(found, report), self._state(found)
+        report.work = state.work
+        return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, case)
 
-    def _nodal_solution(self, options: StepOptions, case: ReducedCase, faces: Faces, report: Report) -> NodalSolution:
-        T, Q = self.Signs(faces.cone)
-        G = self.system.G + case.given_traction.G
+    def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
+        T, Q = self.Signs(cone)
+        faces, G = self.Faces(cone, self._history(options.previous, cone)), self._gaps(case)
         p = self.problem.law.Solve(Q, T.T @ (case.g - G), faces, self._first_set(options), report, options.max_iterations)
         return NodalSolution(case, faces, T, p, G)
+
+    def Faces(self, cone: Cone, history: FaceHistory | None) -> Faces:
+        """What the law is asked about."""
+        return Faces(self.system.nodes, cone, np.diag(self.Signs(cone)[1]), history)
+
+    def RightSide(self, case: ReducedCase, cone: Cone) -> np.ndarray:
+        """q of w = Q p + q for a load beside initial stress and temperature."""
+        case = self._with_initial(case)
+        return self.Signs(cone)[0].T @ (case.g - self._gaps(case))
+
+    def _with_initial(self, case: ReducedCase) -> ReducedCase:
+        return case if self.initial is None else self.initial + case
+
+    def _gaps(self, case: ReducedCase) -> np.ndarray:
+        """The right-hand side of the second row of (38)."""
+        return self.system.G + case.given_traction.G
 
     def _state(self, found: NodalSolution) -> State:
         law, faces, p = self.problem.law, found.faces, found.p
@@ -222,7 +239,9 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     w = T.T @ (system.Moments(U, found.L) - found.G)
     lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.law.components)), TINY)
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
-    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max())
+    history = found.faces.history
+    before = 0.0 if history is None else np.abs(history.jump).max()
+    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max(), before)
     scale = max(np.abs(p).max(), TINY)
     return problem.law.Violation(p, w, found.faces, Scales(scale, np.maximum(lengths * displacement, TINY)))
 

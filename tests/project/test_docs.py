@@ -108,7 +108,9 @@ def test_what_a_role_lacks_is_named():
     problem = paper_problem(unstructured_mesh(0.2))
     for role in ({"stabilisation": Half()}, {"law": Half()}):
         (option,) = role
-        missing = {"stabilisation": "has no Gamma and no IsSafe", "law": "has no depends_on_path and no Solve and no Variables and no Work and no Violation"}[option]
+        missing = {"stabilisation": "has no Gamma and no IsSafe", "law": "has no depends_on_path and no Solve and no Variables and no Work and no Violation"}[
+            option
+        ]
         with pytest.raises(TypeError, match=f"ContactProblem: {option}=.* {missing}; docs/extending.md"):
             ngsxfem_contact.ContactProblem(problem.V, problem.W, MATERIAL, **role)
     with pytest.raises(TypeError, match="CrackFESpace: tip=.* has no Spec; docs/extending.md"):

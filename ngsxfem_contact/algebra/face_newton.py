@@ -1,0 +1,176 @@
+"""Newton's method for any relation between traction and jump at the nodes, on the crack's own unknowns.
+
+With the displacements eliminated, minus the weighted jumps are w = Q t + q. A relation gives the jump g and the traction t = y - c g as functions of
+the trial traction y, so that
+
+    F(y) = m g(y) + Q t(y) + q = 0,      F' = Q + (m - Q c) g'(y),
+
+m the weights of the nodes. The law holds exactly in every iterate; what becomes small is the difference of the law's jump and that of the body.
+F' is regular for rigid nodes (g' = 0), where it is Q, and for free ones (g' = 1/c), where it is m/c: no stiffness is too large or too small.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import NotConverged
+from .face_relations import Memory, Relation
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class FaceProblem:
+    """F(y) at n nodes.
+
+    Parameters
+    ----------
+    Q, q
+        (2 n, 2 n) and (2 n,), normal components first: Q t + q are minus the weighted jumps for tractions t.
+    weights
+        (n,), m.
+    relation
+        Between t and g.
+    c
+        (2, n), its stiffness.
+    before
+        The variables of the last step.
+    """
+
+    Q: np.ndarray
+    q: np.ndarray
+    weights: np.ndarray
+    relation: Relation
+    c: np.ndarray
+    before: Memory = field(default_factory=dict)
+
+    @cached_property
+    def m(self) -> np.ndarray:
+        """(2 n,)."""
+        return np.tile(self.weights, 2)
+
+    @cached_property
+    def _by_jump(self) -> np.ndarray:
+        """m - Q c."""
+        return np.diag(self.m) - self.Q * self.c.ravel()
+
+    def Jump(self, y: np.ndarray) -> np.ndarray:
+        """(2, n)."""
+        return self.relation.Jump(y, self.c, self.before)[0]
+
+    def Traction(self, y: np.ndarray) -> np.ndarray:
+        """(2, n)."""
+        return y - self.c * self.Jump(y)
+
+    def Residual(self, y: np.ndarray) -> np.ndarray:
+        """F/m, (2 n,), a length: the jump of the law less that of the body."""
+        g = self.Jump(y)
+        return g.ravel() + (self.Q @ (y - self.c * g).ravel() + self.q) / self.m
+
+    def Matrix(self, y: np.ndarray) -> np.ndarray:
+        """F'."""
+        _, D = self.relation.Jump(y, self.c, self.before)
+        normal, tangential = np.hsplit(self._by_jump, 2)
+        return self.Q + np.hstack([normal * D[0, k] + tangential * D[1, k] for k in range(2)])
+
+    def Scale(self, y: np.ndarray) -> float:
+        """What a residual is compared with: the largest of the terms that cancel in it."""
+        g = self.Jump(y)
+        return float(max(np.abs(self.q / self.m).max(initial=0), np.abs(g).max(initial=0), np.abs(self.Q @ (self.c * g).ravel() / self.m).max(initial=0)))
+
+    def Tied(self, closed: np.ndarray | None = None) -> np.ndarray:
+        """y where no node moves, or where some, boolean, do not and the others carry nothing."""
+        held = np.ones(len(self.q), dtype=bool) if closed is None else np.tile(closed, 2)
+        t = np.zeros(len(self.q))
+        t[held] = np.linalg.solve(self.Q[np.ix_(held, held)], -self.q[held])
+        return (t - self.c.ravel() * np.where(held, 0, (self.Q @ t + self.q) / self.m)).reshape(2, -1)
+
+
+@dataclass
+class FaceResult:
+    """y with F(y) = 0, how many Newton steps led to it, and how, in words."""
+
+    y: np.ndarray
+    iterations: int
+    method: str
+
+
+class Stuck(Exception):
+    """Newton's method did not come to an end."""
+
+
+def newton(problem: FaceProblem, y: np.ndarray, max_iterations: int, damped: bool = False, tolerance: float = 1e-12) -> FaceResult:
+    """A FaceResult.
+
+    Parameters
+    ----------
+    damped
+        Steps are halved until the residual falls.
+    tolerance
+        Of the residual, relative.
+
+    Raises
+    ------
+    Stuck
+    """
+    residual, scale = problem.Residual(y), 0.0
+    for iteration in range(max_iterations):
+        scale = max(scale, problem.Scale(y))  # of the way, which may lead to zero
+        if np.abs(residual).max(initial=0) <= tolerance * scale:
+            return FaceResult(y, iteration, "damped Newton" if damped else "Newton")
+        try:
+            step = np.linalg.solve(problem.Matrix(y), -problem.m * residual).reshape(y.shape)
+        except np.linalg.LinAlgError:
+            raise Stuck("its matrix is singular") from None
+        y, residual = shortened(problem, y, step, residual) if damped else (y + step, problem.Residual(y + step))
+    raise Stuck(f"{max_iterations} steps were not enough")
+
+
+def shortened(problem: FaceProblem, y: np.ndarray, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """y and its residual after a part of a step, the first half, quarter, ... after which Σ m F² is smaller."""
+    merit = problem.m @ residual**2
+    for part in 0.5 ** np.arange(12):
+        new = problem.Residual(y + part * step)
+        if problem.m @ new**2 < (1 - 1e-4 * part) * merit:
+            return y + part * step, new
+    raise Stuck("no part of a step makes the residual smaller")
+
+
+def solve_faces(problem: FaceProblem, start: np.ndarray, max_iterations: int) -> FaceResult:
+    """A FaceResult: full steps, then damped ones, then the load little by little.
+
+    Raises
+    ------
+    NotConverged
+        If none of them ends.
+    """
+    for attempt in (lambda: newton(problem, start, max_iterations), lambda: newton(problem, start, max_iterations, damped=True)):
+        try:
+            return attempt()
+        except Stuck as stuck:
+            logger.debug("faces: Newton's method stopped, %s", stuck)
+    return continued(problem, start, max_iterations)
+
+
+def continued(problem: FaceProblem, start: np.ndarray, max_iterations: int, smallest: float = 1e-4) -> FaceResult:
+    """From the problem that `start` solves, q moved to where it does, back to q in steps as large as Newton's method takes them."""
+    shift = problem.m * problem.Residual(start)
+    at = lambda part: replace(problem, q=problem.q - (1 - part) * shift)
+    y, done, step, iterations = start, 0.0, 0.5, 0
+    while done < 1:
+        try:
+            result = newton(at(min(done + step, 1)), y, max_iterations)
+        except Stuck as stuck:
+            step *= 0.5
+            if step < smallest:
+                raise NotConverged(
+                    f"the law of the faces: Newton's method ended neither at once nor in small steps of the load (the last at {done:.3g} of the way, {stuck}): "
+                    "where faces soften the load may be beyond what they carry, or the load-displacement curve snaps back: take smaller load steps, or PathSteps"
+                ) from None
+        else:
+            y, done, step, iterations = result.y, min(done + step, 1), 2 * step, iterations + result.iterations
+    return FaceResult(y, iterations, "Newton along a path")

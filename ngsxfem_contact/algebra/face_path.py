@@ -1,0 +1,100 @@
+"""The faces on a path of loads q + t q_1 whose factor t is unknown: each step says how far the faces give way, whatever the load has to be for that.
+
+Where a structure snaps back, load and displacement both fall while the faces soften; the `Progress` of a relation grows all the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import NotConverged
+from .face_newton import FaceProblem, Stuck
+
+
+@dataclass(frozen=True)
+class PathPoint:
+    """y and t of a solution."""
+
+    y: np.ndarray
+    t: float
+
+
+@dataclass(frozen=True)
+class FacePath:
+    """F(y, t) = 0 and, over all nodes, max (progress(y) - progress(y of the last point)) = step.
+
+    Parameters
+    ----------
+    problem
+        The FaceProblem of t = 0.
+    q_1
+        (2 n,).
+    last
+        The point where the step begins.
+    earlier
+        The one before, or None.
+    """
+
+    problem: FaceProblem
+    q_1: np.ndarray
+    last: PathPoint
+    earlier: PathPoint | None = None
+
+    def At(self, t: float) -> FaceProblem:
+        """The FaceProblem of a load factor."""
+        return replace(self.problem, q=self.problem.q + t * self.q_1)
+
+    def Growth(self, y: np.ndarray) -> tuple[float, np.ndarray]:
+        """The largest growth of the progress, and its derivative by y, (2 n,)."""
+        relation, c, before = self.problem.relation, self.problem.c, self.problem.before
+        progress, slope = relation.Progress(y, c, before)
+        growth = progress - relation.Progress(self.last.y, c, before)[0]
+        first = int(np.argmax(growth))
+        derivative = np.zeros_like(y)
+        derivative[:, first] = slope[:, first]
+        return float(growth[first]), derivative.ravel()
+
+    def Ahead(self, step: float) -> PathPoint:
+        """A point to begin with: as the last step went, or along the tangent, to the side where the faces give way more."""
+        y, t = self.last.y, self.last.t
+        if self.earlier is None:
+            y_1, t_1 = np.linalg.solve(self.At(t).Matrix(y), -self.q_1).reshape(y.shape), 1.0
+        else:
+            y_1, t_1 = y - self.earlier.y, t - self.earlier.t
+        growth, sign = max((self.Growth(y + sign * y_1)[0], sign) for sign in (1, -1))
+        part = sign * step / growth if growth > 0 else 0.0
+        return PathPoint(y + part * y_1, t + part * t_1)
+
+    def Newton(self, start: PathPoint, step: float, max_iterations: int, tolerance: float = 1e-12) -> tuple[PathPoint, int]:
+        """The point a step away from the last one, and the number of Newton steps. Raises Stuck."""
+        y, t, scale = start.y, start.t, 0.0
+        for iteration in range(max_iterations):
+            problem, (growth, derivative) = self.At(t), self.Growth(y)
+            residual = problem.Residual(y)
+            scale = max(scale, problem.Scale(y))
+            if np.abs(residual).max() <= tolerance * scale and abs(growth - step) <= 1e-9 * step:
+                return PathPoint(y, t), iteration
+            matrix = np.block([[problem.Matrix(y), self.q_1[:, None]], [derivative, np.zeros(1)]])
+            rows = 1 / np.abs(matrix).max(axis=1)  # lengths below, weighted jumps above
+            try:
+                change = np.linalg.solve(rows[:, None] * matrix, -rows * np.append(problem.m * residual, growth - step))
+            except np.linalg.LinAlgError:
+                raise Stuck("its matrix is singular") from None
+            y, t = y + change[:-1].reshape(y.shape), t + float(change[-1])
+        raise Stuck(f"{max_iterations} steps were not enough")
+
+    def Step(self, step: float, max_iterations: int, smallest: float = 1e-3) -> tuple[PathPoint, int]:
+        """The same, in parts of the step where Newton's method does not take it at once. Raises NotConverged."""
+        point, done, part, iterations = self.Ahead(step), 0.0, 1.0, 0
+        while done < 1:
+            try:
+                point, number = self.Newton(point, min(done + part, 1) * step, max_iterations)
+            except Stuck as stuck:
+                part *= 0.5
+                if part < smallest:
+                    raise NotConverged(f"PathSteps: Newton's method ended in no part of the step ({stuck}): take a smaller step") from None
+            else:
+                done, part, iterations = min(done + part, 1), 2 * part, iterations + number
+        return point, iterations

@@ -1,0 +1,137 @@
+"""Laws of the faces that hold node by node, whatever they say there: a Relation of `algebra.face_relations`, and Newton's method for all of them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ngsolve import CoefficientFunction
+
+from ..algebra.face_newton import FaceProblem, solve_faces
+from ..algebra.face_relations import DividedRelation, Memory, Relation
+from ..operators import NORMAL, TANGENTIAL
+from .faces import FaceHistory, FaceWork
+
+if TYPE_CHECKING:
+    from ..protocols import Nodes
+    from .faces import Faces, Scales
+    from .report import Report
+
+
+class NodalLaw(ABC):
+    """A FaceLaw that has At(nodes), the Relation between traction and jump there, and inherits all else."""
+
+    components = (NORMAL, TANGENTIAL)
+    depends_on_path = True
+
+    @abstractmethod
+    def At(self, nodes: Nodes) -> Relation:
+        """The Relation, its coefficients evaluated. Raises ValueError for coefficients that make no sense somewhere."""
+
+    def Problem(self, Q: np.ndarray, q: np.ndarray, faces: Faces) -> FaceProblem:
+        """The FaceProblem of w = Q p + q."""
+        a = np.tile(faces.traction_weights, 2)
+        relation = self.At(faces.nodes)
+        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, relation.Stiffness(faces.stiffness), before(faces))
+
+    def Start(self, problem: FaceProblem, faces: Faces, start: np.ndarray | FaceHistory | None) -> np.ndarray:
+        """The trial tractions to begin with: those that are given or of the last step, or none of the faces moves, of those that are given as closed."""
+        known = start if isinstance(start, FaceHistory) else faces.history
+        if known is not None:
+            return known.traction + problem.c * known.jump
+        if start is not None and np.shape(start) != (len(faces.nodes),):
+            raise ValueError(f"start has {np.size(start)} entries, there are {len(faces.nodes)} nodal signs; give one boolean for each, or a ContactSolution")
+        return problem.Tied(None if start is None else np.array(start, dtype=bool))
+
+    def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | FaceHistory | None, report: Report, max_iterations: int) -> np.ndarray:
+        """p = (p_n, p_t); raises NotConverged."""
+        problem = self.Problem(Q, q, faces)
+        result = solve_faces(problem, self.Start(problem, faces, start), max_iterations)
+        report.iterations, report.method = result.iterations, result.method
+        return self.Tractions(problem, result.y, faces, report)
+
+    def Tractions(self, problem: FaceProblem, y: np.ndarray, faces: Faces, report: Report) -> np.ndarray:
+        """p of a solution y of a FaceProblem; books the states of its nodes."""
+        relation = problem.relation
+        report.active = [y[0] < 0]
+        counts = np.bincount(relation.States(y, problem.c, problem.before), minlength=len(relation.states))
+        report.states = dict(zip(relation.states, (counts / max(counts.sum(), 1)).tolist()))
+        return np.tile(faces.traction_weights, 2) * problem.Traction(y).ravel()
+
+    def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
+        """Those of the Relation."""
+        relation, y, c = self._trial(p, w, faces)
+        return relation.Variables(y, c, before(faces))
+
+    def Work(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> FaceWork:
+        """That of the Relation, summed over the nodes."""
+        relation, y, c = self._trial(p, w, faces)
+        return FaceWork(*(float(faces.nodes.weights @ values) for values in relation.Work(y, c, before(faces))))
+
+    def Violation(self, p: np.ndarray, w: np.ndarray, faces: Faces, scales: Scales) -> float:
+        """The largest difference of the jump from that of the law."""
+        relation, y, c = self._trial(p, w, faces)
+        difference = relation.Jump(y, c, before(faces))[0] - faces.Jumps(w)
+        return float(np.abs((difference * faces.jump_weights).ravel() / scales.moments).max(initial=0))
+
+    def _trial(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> tuple[Relation, np.ndarray, np.ndarray]:
+        relation = self.At(faces.nodes)
+        c = relation.Stiffness(faces.stiffness)
+        return relation, faces.Tractions(p) + c * faces.Jumps(w), c
+
+
+def before(faces: Faces) -> Memory:
+    """What a Relation remembers."""
+    return {} if faces.history is None else faces.history.variables
+
+
+@dataclass(frozen=True)
+class PartOfNodes:
+    """Some of the Nodes, by their numbers: what coefficients are evaluated at."""
+
+    nodes: Nodes
+    here: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.here)
+
+    def Values(self, function: CoefficientFunction) -> np.ndarray:
+        """(n,): a scalar function there."""
+        return self.nodes.Values(function)[self.here]
+
+    def Place(self, i: int) -> str:
+        """Where the i-th of them is, in words."""
+        return self.nodes.Place(int(self.here[i]))
+
+
+class LawByCrack(NodalLaw):
+    """Each crack its law.
+
+    Parameters
+    ----------
+    laws
+        By the number of the crack.
+    otherwise
+        On all other cracks.
+
+    Raises
+    ------
+    TypeError
+        For a law that does not hold node by node: it needs At(nodes).
+    """
+
+    def __init__(self, laws: Mapping[int, Any], otherwise: Any) -> None:
+        self.laws, self.otherwise = dict(laws), otherwise
+        for law in (*self.laws.values(), otherwise):
+            if not hasattr(law, "At"):
+                raise TypeError(f"LawByCrack: {law!r} cannot be one of several laws, it has no At(nodes); docs/extending.md says what that is")
+        self.depends_on_path = any(law.depends_on_path for law in (*self.laws.values(), otherwise))
+
+    def At(self, nodes: Nodes) -> DividedRelation:
+        """That of its crack at each node."""
+        cracks = np.unique(nodes.cracks)
+        parts = [np.flatnonzero(nodes.cracks == crack) for crack in cracks]
+        return DividedRelation([(here, self.laws.get(int(crack), self.otherwise).At(PartOfNodes(nodes, here))) for crack, here in zip(cracks, parts)])
