@@ -60,7 +60,7 @@ def reference_case(name, maxh=0.03, pair="P2/P1", **options):
 def print_reference(name, **options):
     solution, exact = reference_case(name, **options)
     counts = solution.report
-    work = (solution.FrictionWork() - exact["friction_work"]) / exact["energy"]
+    work = (solution.DissipatedEnergy() - exact["friction_work"]) / exact["energy"]
     print(
         f"{name:17} energy {solution.Energy() / exact['energy'] - 1:+.1e}  work {work:+.1e}  "
         f"contact from {solution.Transitions()} ({exact['transition']:.4f})  slip to {solution.SlipTransitions()} ({exact['slip_transition']})  "

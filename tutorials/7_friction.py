@@ -64,7 +64,7 @@ plt.show()
 
 # %%
 for name, solution in list(solutions.items())[1:]:
-    print(f"{name}: {solution.report.Counts()}, slip ends at s = {solution.SlipTransitions()}, work of friction {solution.FrictionWork():.3e}")
+    print(f"{name}: {solution.report.Counts()}, slip ends at s = {solution.SlipTransitions()}, work of friction {solution.DissipatedEnergy():.3e}")
 print(solutions["Coulomb, $\\mu_f$ = 0.3"].report)
 
 # %% [markdown]
@@ -138,11 +138,11 @@ bottom.set(xlabel="load step", ylabel="shear $\\sigma_{xy}$")
 plt.show()
 
 # %% [markdown]
-# The loop that it makes, and the work that friction dissipates. `FrictionWork()` is $\int \lambda_t\, \Delta g_t \ge 0$ of one step.
+# The loop that it makes, and the work that friction dissipates. `DissipatedEnergy()` is $\int \lambda_t\, \Delta g_t \ge 0$ of one step.
 
 # %%
 slip = [Integrate(Slip(solution.u, body) * body.dcrack, body.mesh) for solution in history]
-work = [solution.FrictionWork() for solution in history]
+work = [solution.DissipatedEnergy() for solution in history]
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
 left.plot(slip, 0.03 * cycle, "k.-")
 left.set(xlabel="$\\int g_t$ over the crack", ylabel="shear $\\sigma_{xy}$")

@@ -82,12 +82,9 @@ class FaceProblem:
         g = self.Jump(y)
         return float(max(np.abs(self.q / self.m).max(initial=0), np.abs(g).max(initial=0), np.abs(self.Q @ (self.c * g).ravel() / self.m).max(initial=0)))
 
-    def Tied(self, closed: np.ndarray | None = None) -> np.ndarray:
-        """y where no node moves, or where some, boolean, do not and the others carry nothing."""
-        held = np.ones(len(self.q), dtype=bool) if closed is None else np.tile(closed, 2)
-        t = np.zeros(len(self.q))
-        t[held] = np.linalg.solve(self.Q[np.ix_(held, held)], -self.q[held])
-        return (t - self.c.ravel() * np.where(held, 0, (self.Q @ t + self.q) / self.m)).reshape(2, -1)
+    def Tied(self) -> np.ndarray:
+        """y where no node moves: the tractions of a body without cracks."""
+        return np.linalg.solve(self.Q, -self.q).reshape(2, -1)
 
 
 @dataclass

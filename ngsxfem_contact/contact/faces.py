@@ -30,6 +30,38 @@ class FaceHistory:
     jump: np.ndarray
     variables: dict[str, np.ndarray] = field(default_factory=dict)
 
+    def Carried(self, old: Nodes, new: Nodes) -> FaceHistory:
+        """The same on other nodes, those of another mesh or of longer cracks: interpolated along each crack, zero on parts that are new.
+
+        Parameters
+        ----------
+        old
+            The nodes of this history.
+        new
+            Those of cracks with the same numbers.
+        """
+        P = between_nodes(old, new).T
+        return FaceHistory(self.traction @ P, self.jump @ P, {name: values @ P for name, values in self.variables.items()})
+
+
+def between_nodes(old: Nodes, new: Nodes) -> np.ndarray:
+    """(len(new), len(old)): linear interpolation between neighbours on the same crack; rows of zeros beyond half an interval after the last node."""
+    P = np.zeros((len(new), len(old)))
+    a, b = old.neighbours.T
+    edges = old.positions[b] - old.positions[a]
+    for i, (crack, point) in enumerate(zip(new.cracks, new.positions)):
+        here = np.flatnonzero(old.cracks[a] == crack)
+        if not len(here):
+            P[i, np.flatnonzero(old.cracks == crack)] = 1  # a crack with one node
+            continue
+        lengths = (edges[here] ** 2).sum(axis=1)
+        part = np.clip(((point - old.positions[a[here]]) * edges[here]).sum(axis=1) / lengths, 0, 1)
+        distances = ((old.positions[a[here]] + part[:, None] * edges[here] - point) ** 2).sum(axis=1)
+        nearest = int(np.argmin(distances))
+        if distances[nearest] <= 0.2501 * lengths[nearest]:
+            P[i, a[here[nearest]]], P[i, b[here[nearest]]] = 1 - part[nearest], part[nearest]
+    return P
+
 
 @dataclass(frozen=True)
 class FaceWork:

@@ -38,13 +38,12 @@ class NodalLaw(ABC):
         return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, relation.Stiffness(faces.stiffness), before(faces))
 
     def Start(self, problem: FaceProblem, faces: Faces, start: np.ndarray | FaceHistory | None) -> np.ndarray:
-        """The trial tractions to begin with: those that are given or of the last step, or none of the faces moves, of those that are given as closed."""
+        """The trial tractions to begin with: those that are given or of the last step; else those of faces that do not move, whatever touched in another solution.
+
+        Faces that soften may have several solutions; from there Newton's method finds the one in which they still hold.
+        """
         known = start if isinstance(start, FaceHistory) else faces.history
-        if known is not None:
-            return known.traction + problem.c * known.jump
-        if start is not None and np.shape(start) != (len(faces.nodes),):
-            raise ValueError(f"start has {np.size(start)} entries, there are {len(faces.nodes)} nodal signs; give one boolean for each, or a ContactSolution")
-        return problem.Tied(None if start is None else np.array(start, dtype=bool))
+        return problem.Tied() if known is None else known.traction + problem.c * known.jump
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | FaceHistory | None, report: Report, max_iterations: int) -> np.ndarray:
         """p = (p_n, p_t); raises NotConverged."""

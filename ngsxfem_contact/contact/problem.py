@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
     from ..material import Coefficient
+    from .faces import FaceHistory
 
 
 def check_modes(V: CrackFESpace, material: Isotropic) -> None:
@@ -334,7 +335,7 @@ class ContactProblem:
         cone: str | None = None,
         start: Start = None,
         max_iterations: int = StepOptions.max_iterations,
-        previous: ContactSolution | None = None,
+        previous: ContactSolution | FaceHistory | None = None,
     ) -> ContactSolution:
         """Solves the problem.
 
@@ -351,7 +352,8 @@ class ContactProblem:
         max_iterations
             Of the active set.
         previous
-            With friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+            The ContactSolution of the last load step, on the same spaces: slip is measured from there, and damage stays. Or a FaceHistory at the nodes of W, of a
+            solution with shorter cracks: solution.state.history.Carried(solution.state.nodes, W.nodes).
 
 
         Raises

@@ -162,11 +162,15 @@ class ReducedProblem:
         w = found.T.T @ residual
         return State(faces.nodes, faces.cone, found.L, residual, faces.After(p, w, law.Variables(p, w, faces)), law.Work(p, w, faces))
 
-    def _history(self, previous: ContactSolution | None, cone: Cone) -> FaceHistory | None:
+    def _history(self, previous: ContactSolution | FaceHistory | None, cone: Cone) -> FaceHistory | None:
         """What the faces have gone through; slip with its stabilising part, so that it is zero exactly where a node sticks and the load is unchanged."""
-        problem = self.problem
+        problem, size = self.problem, (len(self.problem.law.components), len(self.system.nodes))
         if previous is None:
             return None
+        if isinstance(previous, FaceHistory):
+            if previous.jump.shape != size:
+                raise ValueError(f"previous is a history of {previous.jump.shape} components and nodes, the problem has {size}; see FaceHistory.Carried")
+            return previous
         if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
             raise ValueError("previous is a solution on other spaces; load steps need one on the V and W of the problem")
         if previous.state.cone != cone:
@@ -176,7 +180,7 @@ class ReducedProblem:
         return previous.state.history
 
     def _first_set(self, options: StepOptions) -> Any:
-        if options.start is None and options.previous is not None:
+        if options.start is None and isinstance(options.previous, ContactSolution):
             return options.previous.report.active[-1]
         if isinstance(options.start, ContactSolution):
             return active_on(self.system.nodes, options.start)

@@ -39,7 +39,7 @@ def numbers_of_step(solution: ContactSolution) -> dict[str, Any]:
     report, cracks = solution.report, range(len(solution.body.cracks))
     return {
         "energy": solution.Energy(),
-        "friction_work": solution.FrictionWork(),
+        "dissipated_energy": solution.DissipatedEnergy(),
         "cracks": [
             {
                 "contact_force": solution.ContactForce(crack),

@@ -149,7 +149,7 @@ def test_references(theta, load, friction):
     assert solution.report.converged and solution.report.iterations <= 15
     if friction is not None:
         assert solution.TangentialForce() == pytest.approx(exact["tangential_force"], rel=0.005)
-        assert abs(solution.FrictionWork() - exact["friction_work"]) < 5e-4 * exact["energy"]
+        assert abs(solution.DissipatedEnergy() - exact["friction_work"]) < 5e-4 * exact["energy"]
 
 
 def test_symmetric_method_is_barbosa_hughes_to_the_discretisation_error():
@@ -182,7 +182,7 @@ def test_an_unchanged_load_changes_nothing():
     first = problem.Solve()
     second = problem.Solve(previous=first)
     assert np.abs(second.Multipliers() - first.Multipliers()).max() < 1e-9 * np.abs(first.Multipliers()).max()
-    assert abs(second.FrictionWork()) < 1e-10 * first.FrictionWork()
+    assert abs(second.DissipatedEnergy()) < 1e-10 * first.DissipatedEnergy()
 
 
 # γ and bad input
