@@ -12,6 +12,7 @@ F' is regular for rigid nodes (g' = 0), where it is Q, and for free ones (g' = 1
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -97,7 +98,11 @@ class FaceResult:
 
 
 class Stuck(Exception):
-    """Newton's method did not come to an end."""
+    """Newton's method did not come to an end; nodes: where the residual is largest."""
+
+    def __init__(self, reason: str, nodes: Sequence[int] = ()) -> None:
+        super().__init__(reason)
+        self.nodes = nodes
 
 
 def newton(problem: FaceProblem, y: np.ndarray, max_iterations: int, damped: bool = False, tolerance: float = 1e-12) -> FaceResult:

@@ -46,12 +46,12 @@ class FacePath:
         """The FaceProblem of a load factor."""
         return replace(self.problem, q=self.problem.q + t * self.q_1)
 
-    def Growth(self, y: np.ndarray) -> tuple[float, np.ndarray]:
-        """The largest growth of the progress, and its derivative by y, (2 n,)."""
+    def Growth(self, y: np.ndarray, node: int | None = None) -> tuple[float, np.ndarray]:
+        """The growth of the progress, the largest or that of a node, and its derivative by y, (2 n,)."""
         relation, c, before = self.problem.relation, self.problem.c, self.problem.before
         progress, slope = relation.Progress(y, c, before)
         growth = progress - relation.Progress(self.last.y, c, before)[0]
-        first = int(np.argmax(growth))
+        first = int(np.argmax(growth)) if node is None else node
         derivative = np.zeros_like(y)
         derivative[:, first] = slope[:, first]
         return float(growth[first]), derivative.ravel()
@@ -67,11 +67,17 @@ class FacePath:
         part = sign * step / growth if growth > 0 else 0.0
         return PathPoint(y + part * y_1, t + part * t_1)
 
-    def Newton(self, start: PathPoint, step: float, max_iterations: int, tolerance: float = 1e-12) -> tuple[PathPoint, int]:
-        """The point a step away from the last one, and the number of Newton steps. Raises Stuck."""
+    def Newton(self, start: PathPoint, step: float, max_iterations: int, node: int | None = None, tolerance: float = 1e-12) -> tuple[PathPoint, int]:
+        """The point a step away from the last one, that of a node or the largest, and the number of Newton steps.
+
+        Raises
+        ------
+        Stuck
+            With the nodes where the residual is largest at the end.
+        """
         y, t, scale = start.y, start.t, 0.0
         for iteration in range(max_iterations):
-            problem, (growth, derivative) = self.At(t), self.Growth(y)
+            problem, (growth, derivative) = self.At(t), self.Growth(y, node)
             residual = problem.Residual(y)
             scale = max(scale, problem.Scale(y))
             if np.abs(residual).max() <= tolerance * scale and abs(growth - step) <= 1e-9 * step:
@@ -83,14 +89,29 @@ class FacePath:
             except np.linalg.LinAlgError:
                 raise Stuck("its matrix is singular") from None
             y, t = y + change[:-1].reshape(y.shape), t + float(change[-1])
-        raise Stuck(f"{max_iterations} steps were not enough")
+        worst = np.abs(self.At(t).Residual(y)).reshape(2, -1).max(axis=0)
+        raise Stuck(f"{max_iterations} steps were not enough", np.argsort(-worst)[:3].tolist())
+
+    def Led(self, start: PathPoint, step: float, max_iterations: int) -> tuple[PathPoint, int]:
+        """The same; where it is stuck, a node at which it is stuck may go ahead while all others stay behind, even go back. Raises Stuck."""
+        try:
+            return self.Newton(start, step, max_iterations)
+        except Stuck as stuck:
+            for node in stuck.nodes:
+                try:
+                    point, iterations = self.Newton(self.last, step, max_iterations, node)
+                except Stuck:
+                    continue
+                if self.Growth(point.y)[0] <= step * (1 + 1e-6):
+                    return point, iterations
+            raise
 
     def Step(self, step: float, max_iterations: int, smallest: float = 1e-3) -> tuple[PathPoint, int]:
         """The same, in parts of the step where Newton's method does not take it at once. Raises NotConverged."""
         point, done, part, iterations = self.Ahead(step), 0.0, 1.0, 0
         while done < 1:
             try:
-                point, number = self.Newton(point, min(done + part, 1) * step, max_iterations)
+                point, number = self.Led(point, min(done + part, 1) * step, max_iterations)
             except Stuck as stuck:
                 part *= 0.5
                 if part < smallest:

@@ -34,6 +34,11 @@ class Relation(ABC):
 
     states: tuple[str, ...]
 
+    @property
+    def gives_way(self) -> bool:
+        """Whether faces that touch may come nearer under pressure."""
+        return False
+
     def Stiffness(self, natural: np.ndarray) -> np.ndarray:
         """c, (2, n), stress / length: the natural one, of the body at each node, or a larger one where the relation needs it."""
         return natural
@@ -43,8 +48,8 @@ class Relation(ABC):
         """g (2, n) and its derivative ∂g_i/∂y_j (2, 2, n)."""
 
     def Progress(self, y: np.ndarray, c: np.ndarray, before: Memory) -> tuple[np.ndarray, np.ndarray]:
-        """(n,), a length that grows as the faces give way, and its derivative (2, n): y_n / c_n, an opening or a tension that would be one."""
-        return y[0] / c[0], np.stack([1 / c[0], np.zeros_like(c[0])])
+        """(n,), a length that grows as the faces give way, and its derivative (2, n): the norm of max(y_n, 0)/c_n and y_t/c_t, jumps, or tractions that would be."""
+        return length_and_derivative(c, np.maximum(y[0], 0) / c[0], y[1] / c[1])
 
     def Variables(self, y: np.ndarray, c: np.ndarray, before: Memory) -> dict[str, np.ndarray]:
         """After a step."""
@@ -57,6 +62,12 @@ class Relation(ABC):
     @abstractmethod
     def States(self, y: np.ndarray, c: np.ndarray, before: Memory) -> np.ndarray:
         """(n,) int: the place of each node's state in `states`."""
+
+
+def length_and_derivative(c: np.ndarray, normal: np.ndarray, tangential: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The norm of two lengths, and its derivative by the trial tractions that are c times them; zero where both are."""
+    size = np.hypot(normal, tangential)
+    return size, np.divide(np.stack([normal, tangential]), size * c, out=np.zeros_like(c), where=size > 0)
 
 
 def stored_in_springs(y: np.ndarray, c: np.ndarray, g: np.ndarray) -> np.ndarray:
@@ -72,6 +83,11 @@ class ElasticRelation(Relation):
     k_t: np.ndarray
     k_closed: np.ndarray
     states = ("open", "closed")
+
+    @property
+    def gives_way(self) -> bool:
+        """Where k_closed is finite."""
+        return bool(np.isfinite(self.k_closed).any())
 
     def Jump(self, y: np.ndarray, c: np.ndarray, before: Memory) -> tuple[np.ndarray, np.ndarray]:
         """g = y / (k + c)."""
@@ -115,9 +131,10 @@ class CohesiveRelation(Relation):
         """d and its derivative by e."""
         largest = remembered(before, "opening", len(e))
         limit = self.softening.At(largest) + c * largest
-        grows = e > limit
-        d = np.where(grows, self.softening.Opening(e, c), e * largest / limit)
-        return d, np.where(grows, 1 / (self.softening.Slope(d) + c), largest / limit)
+        grows = (e > limit) | (largest + limit == 0)
+        secant = np.divide(largest, limit, out=np.zeros_like(limit), where=~grows)
+        d = np.where(grows, self.softening.Opening(e, c), e * secant)
+        return d, np.where(grows, 1 / (self.softening.Slope(d) + c), secant)
 
     def Jump(self, y: np.ndarray, c: np.ndarray, before: Memory) -> tuple[np.ndarray, np.ndarray]:
         """g = (d/e) (max(y_n, 0), y_t/β²)."""
@@ -132,10 +149,8 @@ class CohesiveRelation(Relation):
         return ratio * metric * y, D
 
     def Progress(self, y: np.ndarray, c: np.ndarray, before: Memory) -> tuple[np.ndarray, np.ndarray]:
-        """e / c: grows with the opening, and with the traction before there is one."""
-        e = self.Trial(y)
-        metric = np.stack([np.where(y[0] > 0, 1, 0), 1 / self.beta**2])
-        return e / c[0], np.divide(metric * y, e * c[0], out=np.zeros_like(y), where=e > 0)
+        """e / c_n: d, and before there is an opening the effective traction."""
+        return length_and_derivative(np.stack([c[0], self.beta * c[0]]), np.maximum(y[0], 0) / c[0], y[1] / (self.beta * c[0]))
 
     def Variables(self, y: np.ndarray, c: np.ndarray, before: Memory) -> dict[str, np.ndarray]:
         """The largest effective opening so far."""
@@ -160,6 +175,11 @@ class CohesiveRelation(Relation):
 class Closure(ABC):
     """How far faces that are closed, y < 0, give way to the pressure: y = t + c g, t ≤ 0."""
 
+    @property
+    def gives_way(self) -> bool:
+        """Whether it is not rigid."""
+        return True
+
     @abstractmethod
     def Traction(self, y: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """t and its derivative; both zero where y ≥ 0."""
@@ -174,6 +194,11 @@ class LinearClosure(Closure):
     """t = k g, an array, 0 to inf: rigid."""
 
     k: np.ndarray
+
+    @property
+    def gives_way(self) -> bool:
+        """Where k is finite."""
+        return bool(np.isfinite(self.k).any())
 
     def Traction(self, y: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """y / (1 + c/k)."""
@@ -220,6 +245,11 @@ class SlidingRelation(Relation):
     tangent: np.ndarray
     states = ("open", "sticks", "slips")
 
+    @property
+    def gives_way(self) -> bool:
+        """As the closure says."""
+        return self.closure.gives_way
+
     def _trial(self, y: np.ndarray, c: np.ndarray, before: Memory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """y_n and y_t from where the faces have slid to, and whether they are closed."""
         slip, slid = (remembered(before, name, y.shape[1]) for name in ("slip", "slid"))
@@ -244,6 +274,10 @@ class SlidingRelation(Relation):
         t_n, _ = self.closure.Traction(y_n - c[0] * self.tangent * slide, c[0])
         return np.abs(y_t) - (1 + c[1] / self.k_t) * self.threshold.At(t_n, closed & (t_n < 0)) - c[1] * slide
 
+    def Progress(self, y: np.ndarray, c: np.ndarray, before: Memory) -> tuple[np.ndarray, np.ndarray]:
+        """Slip from where the faces have slid to, and opening."""
+        return length_and_derivative(c, np.maximum(y[0], 0) / c[0], y[1] / c[1] - remembered(before, "slip", y.shape[1]))
+
     def Jump(self, y: np.ndarray, c: np.ndarray, before: Memory) -> tuple[np.ndarray, np.ndarray]:
         """(y - t) / c."""
         y_n, y_t, closed = self._trial(y, c, before)
@@ -267,7 +301,7 @@ class SlidingRelation(Relation):
         after = self.Variables(y, c, before)
         t = y - c * self.Jump(y, c, before)[0]
         way = after["slid"] - remembered(before, "slid", y.shape[1])
-        change = 0.5 * (remembered(before, "threshold", y.shape[1]) - after["threshold"]) * way
+        change = np.where(after["threshold"] > 0, 0.5 * (remembered(before, "threshold", y.shape[1]) - after["threshold"]) * way, 0)
         dissipated = (after["threshold"] + self.tangent * t[0]) * way + (change if "threshold" in before else 0)
         return dissipated, np.abs(change), self.closure.Stored(t[0]) + 0.5 * t[1] ** 2 / self.k_t
 
@@ -287,6 +321,11 @@ class DividedRelation(Relation):
     def states(self) -> tuple[str, ...]:  # type: ignore[override]
         """Those of all parts, each once."""
         return tuple(dict.fromkeys(name for _, relation in self.parts for name in relation.states))
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether one of them does."""
+        return any(relation.gives_way for _, relation in self.parts)
 
     def Stiffness(self, natural: np.ndarray) -> np.ndarray:
         """Of each part."""

@@ -16,7 +16,7 @@ from ..operators import NORMAL, TANGENTIAL
 from .faces import FaceHistory, FaceWork
 
 if TYPE_CHECKING:
-    from ..protocols import Nodes
+    from ..protocols import FaceLaw, Nodes
     from .faces import Faces, Scales
     from .report import Report
 
@@ -80,6 +80,11 @@ class NodalLaw(ABC):
         relation = self.At(faces.nodes)
         c = relation.Stiffness(faces.stiffness)
         return relation, faces.Tractions(p) + c * faces.Jumps(w), c
+
+
+def gives_way(law: FaceLaw, nodes: Nodes) -> bool:
+    """Whether faces that touch may come nearer under pressure."""
+    return isinstance(law, NodalLaw) and law.At(nodes).gives_way
 
 
 def before(faces: Faces) -> Memory:

@@ -118,7 +118,7 @@ def test_values(call, message):
         (lambda: ContactProblem(W, V, MATERIAL), "ContactProblem: V=.* is not a CrackFESpace"),
         (lambda: ContactProblem(V, W, 1.0), "material=1.0 is not an Elasticity"),
         (lambda: rough(stabilisation=BarbosaHughes), "is neither an object such as BarbosaHughes"),
-        (lambda: rough(law=Coulomb), "is neither Tresca"),
+        (lambda: rough(law=Coulomb), "is neither a law such as Coulomb"),
         (lambda: rough(gap="wide"), "gap='wide' is not a number"),
         (lambda: Coulomb(0.3, method=FullNewton), "is neither FullNewton"),
         (lambda: PROBLEM.SetDirichlet((0, 0), None), "region=None is not the name of a boundary"),

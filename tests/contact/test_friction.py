@@ -528,7 +528,7 @@ def test_functions_that_are_no_threshold(law):
 
 
 def test_other_objects_are_refused():
-    with pytest.raises(TypeError, match="neither Tresca"):
+    with pytest.raises(TypeError, match="neither a law such as Coulomb"):
         coarse(law=0.3)
     with pytest.raises(TypeError, match="neither FullNewton"):
         Coulomb(0.3, method="newton")
