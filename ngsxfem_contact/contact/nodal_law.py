@@ -12,6 +12,7 @@ from ngsolve import CoefficientFunction
 
 from ..algebra.face_newton import FaceProblem, solve_faces
 from ..algebra.face_relations import DividedRelation, Memory, Relation
+from ..errors import warn
 from ..operators import NORMAL, TANGENTIAL
 from .faces import FaceHistory, FaceWork
 
@@ -35,7 +36,9 @@ class NodalLaw(ABC):
         """The FaceProblem of w = Q p + q."""
         a = np.tile(faces.traction_weights, 2)
         relation = self.At(faces.nodes)
-        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, relation.Stiffness(faces.stiffness), before(faces))
+        c = relation.Stiffness(faces.stiffness)
+        warn_of_brittle_nodes(c[0], faces)
+        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, c, before(faces))
 
     def Start(self, problem: FaceProblem, faces: Faces, start: np.ndarray | FaceHistory | None) -> np.ndarray:
         """The trial tractions to begin with: those that are given or of the last step; else those of faces that do not move, whatever touched in another solution.
@@ -80,6 +83,17 @@ class NodalLaw(ABC):
         relation = self.At(faces.nodes)
         c = relation.Stiffness(faces.stiffness)
         return relation, faces.Tractions(p) + c * faces.Jumps(w), c
+
+
+def warn_of_brittle_nodes(c: np.ndarray, faces: Faces) -> None:
+    """Warns where faces soften faster than the body unloads beside a node, c > 2 × its stiffness: nodes break one by one, each with a snap-back of its own."""
+    ratio = 0.5 * c / faces.stiffness[0]
+    worst = int(np.argmax(ratio))
+    if ratio[worst] > 1:
+        warn(
+            f"the faces soften faster than the mesh resolves at {faces.nodes.Place(worst)}: nodes break one by one there, and the load that they carry is wrong; "
+            f"refine the mesh there by a factor of {3 * ratio[worst]:.2g}, or take a larger G_c or a smaller strength"
+        )
 
 
 def gives_way(law: FaceLaw, nodes: Nodes) -> bool:

@@ -1,6 +1,8 @@
 """Laws of the faces: columns and blocks with closed forms, Dugdale's strip, limits of stiffness, energies, several laws in one body."""
 
 import pickle
+import re
+import warnings
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFE
 from ngsxfem_contact.contact import BartonBandis, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb
 from ngsxfem_contact.contact.friction import Frictionless
 from ngsxfem_contact.contact.nodal_law import LawByCrack
+from ngsxfem_contact.errors import AccuracyWarning
 from study.paper import paper_problem, unstructured_mesh
 
 INF = float("inf")
@@ -77,7 +80,7 @@ def test_closure_of_a_rock_joint():
     assert_uniform(solution, -exact, -exact / (k + exact / v))
     pressures = np.linspace(0, exact, 2001)
     closures = pressures / (k + pressures / v)
-    assert solution.FaceEnergy() == pytest.approx(np.trapezoid(pressures, closures) if hasattr(np, "trapezoid") else np.trapz(pressures, closures), rel=1e-6)
+    assert solution.FaceEnergy() == pytest.approx(np.diff(closures) @ (pressures[1:] + pressures[:-1]) / 2, rel=1e-6)
     assert_uniform(pulled(column(BartonBandis(k, v)), 0.1), 0, 0.1)
 
 
@@ -398,6 +401,24 @@ def test_a_law_without_relation_does_not_go_with_others():
 
     with pytest.raises(TypeError, match="has no At"):
         LawByCrack({0: Own()}, Frictionless())
+
+
+def test_a_process_zone_that_the_mesh_does_not_resolve_warns():
+    """E G_c / strength² against the elements: by how much to refine; the mesh that is asked for does not warn."""
+
+    def solved(maxh):
+        body = CrackedMesh(rectangle(maxh), Crack([(0, 0.5), (1, 0.5)]))
+        V = CrackFESpace(body, order=1, dirichlet="bottom|top")
+        problem = ContactProblem(V, TraceSpace(body, order=0), Elasticity.PlaneStrain(E=E, nu=0), law=LinearCohesive(1.0, 0.01))
+        problem.SetDirichlet((0, 0.01), "top")
+        return problem.Solve()
+
+    with pytest.warns(AccuracyWarning, match="soften faster than the mesh resolves at arc length .* refine the mesh there by") as warned:
+        solved(0.4)
+    factor = float(re.search(r"by a factor of ([\d.]+)", str(warned[0].message))[1])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        solved(0.4 / factor)
 
 
 def test_the_report_has_the_states_of_the_faces():
