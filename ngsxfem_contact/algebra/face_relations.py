@@ -39,6 +39,11 @@ class Relation(ABC):
         """Whether faces that touch may come nearer under pressure."""
         return False
 
+    @property
+    def steepest(self) -> np.ndarray | float:
+        """(n,) or 0: by how much the tractions fall with the jump, stress / length."""
+        return 0.0
+
     def Stiffness(self, natural: np.ndarray) -> np.ndarray:
         """c, (2, n), stress / length: the natural one, of the body at each node, or a larger one where the relation needs it."""
         return natural
@@ -118,9 +123,14 @@ class CohesiveRelation(Relation):
     beta: np.ndarray
     states = ("intact", "damaged", "broken")
 
+    @property
+    def steepest(self) -> np.ndarray:
+        """That of the softening."""
+        return self.softening.steepest
+
     def Stiffness(self, natural: np.ndarray) -> np.ndarray:
         """c_n at least twice the steepest slope."""
-        normal = np.maximum(natural[0], 2 * self.softening.steepest)
+        normal = np.maximum(natural[0], 2 * self.steepest)
         return np.stack([normal, self.beta**2 * normal])
 
     def Trial(self, y: np.ndarray) -> np.ndarray:
@@ -326,6 +336,14 @@ class DividedRelation(Relation):
     def gives_way(self) -> bool:
         """Whether one of them does."""
         return any(relation.gives_way for _, relation in self.parts)
+
+    @property
+    def steepest(self) -> np.ndarray:
+        """Of each part."""
+        slopes = np.zeros(sum(len(here) for here, _ in self.parts))
+        for here, relation in self.parts:
+            slopes[here] = relation.steepest
+        return slopes
 
     def Stiffness(self, natural: np.ndarray) -> np.ndarray:
         """Of each part."""

@@ -131,6 +131,11 @@ class LinearCohesive(Cohesive):
 
     positive = ("G_c", "beta")
 
+    @property
+    def softening(self) -> Coefficient:
+        """At the beginning."""
+        return 0.5 * self.strength * self.strength / self.G_c
+
     def Softening(self, nodes: Nodes) -> LinearSoftening:
         """f at the nodes."""
         strength = self.Values(nodes, "strength")
@@ -157,6 +162,11 @@ class ExponentialCohesive(Cohesive):
     beta: Coefficient = 1.0
 
     positive = ("G_c", "beta")
+
+    @property
+    def softening(self) -> Coefficient:
+        """At the beginning."""
+        return self.strength * self.strength / self.G_c
 
     def Softening(self, nodes: Nodes) -> ExponentialSoftening:
         """f at the nodes."""

@@ -17,6 +17,7 @@ from ..operators import NORMAL, TANGENTIAL
 from .faces import FaceHistory, FaceWork
 
 if TYPE_CHECKING:
+    from ..material import Coefficient
     from ..protocols import FaceLaw, Nodes
     from .faces import Faces, Scales
     from .report import Report
@@ -28,6 +29,11 @@ class NodalLaw(ABC):
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
 
+    @property
+    def softening(self) -> Coefficient | None:
+        """A bound of the slope by which the tractions fall with the jump, stress / length; None: they do not."""
+        return None
+
     @abstractmethod
     def At(self, nodes: Nodes) -> Relation:
         """The Relation, its coefficients evaluated. Raises ValueError for coefficients that make no sense somewhere."""
@@ -37,7 +43,7 @@ class NodalLaw(ABC):
         a = np.tile(faces.traction_weights, 2)
         relation = self.At(faces.nodes)
         c = relation.Stiffness(faces.stiffness)
-        warn_of_brittle_nodes(c[0], faces)
+        warn_of_brittle_nodes(relation, faces)
         return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, c, before(faces))
 
     def Start(self, problem: FaceProblem, faces: Faces, start: np.ndarray | FaceHistory | None) -> np.ndarray:
@@ -85,14 +91,14 @@ class NodalLaw(ABC):
         return relation, faces.Tractions(p) + c * faces.Jumps(w), c
 
 
-def warn_of_brittle_nodes(c: np.ndarray, faces: Faces) -> None:
-    """Warns where faces soften faster than the body unloads beside a node, c > 2 × its stiffness: nodes break one by one, each with a snap-back of its own."""
-    ratio = 0.5 * c / faces.stiffness[0]
-    worst = int(np.argmax(ratio))
-    if ratio[worst] > 1:
+def warn_of_brittle_nodes(relation: Relation, faces: Faces) -> None:
+    """Warns where faces soften faster than the body unloads beside a node, in the mean over nodes that soften: they break one by one, with snap-backs of their own."""
+    ratio, weights = relation.steepest / faces.stiffness[0], np.where(relation.steepest, faces.nodes.weights, 0)
+    mean = float(ratio @ weights / max(weights.sum(), np.finfo(float).tiny))
+    if mean > 1:
         warn(
-            f"the faces soften faster than the mesh resolves at {faces.nodes.Place(worst)}: nodes break one by one there, and the load that they carry is wrong; "
-            f"refine the mesh there by a factor of {3 * ratio[worst]:.2g}, or take a larger G_c or a smaller strength"
+            f"the faces soften faster than the mesh resolves, at {faces.nodes.Place(int(np.argmax(ratio * weights)))} and elsewhere: nodes break one by one there, and the load that they carry is wrong; "
+            f"refine the mesh along the crack by a factor of {3 * mean:.2g}, or take a larger G_c or a smaller strength"
         )
 
 
@@ -147,6 +153,12 @@ class LawByCrack(NodalLaw):
             if not hasattr(law, "At"):
                 raise TypeError(f"LawByCrack: {law!r} cannot be one of several laws, it has no At(nodes); docs/extending.md says what that is")
         self.depends_on_path = any(law.depends_on_path for law in (*self.laws.values(), otherwise))
+
+    @property
+    def softening(self) -> Coefficient | None:
+        """The sum of all."""
+        slopes = [law.softening for law in (*self.laws.values(), self.otherwise) if getattr(law, "softening", None) is not None]
+        return sum(slopes[1:], slopes[0]) if slopes else None
 
     def At(self, nodes: Nodes) -> DividedRelation:
         """That of its crack at each node."""

@@ -311,7 +311,8 @@ class ContactProblem:
     def Gamma(self) -> CoefficientFunction | None:
         """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
         gamma = self.stabilisation.Gamma(self.V, self.material, self.law.components)
-        return softened(gamma, self.a.joint)
+        joint = self.a.joint
+        return softened(softened(gamma, joint and joint.Stiffness()), getattr(self.law, "softening", None))
 
     @property
     def projection(self) -> int | None:

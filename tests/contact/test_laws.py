@@ -413,7 +413,7 @@ def test_a_process_zone_that_the_mesh_does_not_resolve_warns():
         problem.SetDirichlet((0, 0.01), "top")
         return problem.Solve()
 
-    with pytest.warns(AccuracyWarning, match="soften faster than the mesh resolves at arc length .* refine the mesh there by") as warned:
+    with pytest.warns(AccuracyWarning, match="soften faster than the mesh resolves, at arc length .* refine the mesh along the crack by") as warned:
         solved(0.4)
     factor = float(re.search(r"by a factor of ([\d.]+)", str(warned[0].message))[1])
     with warnings.catch_warnings():
