@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ngsolve import CoefficientFunction
 
     from ._ngsxfem_contact import CrackedMesh, CrackFESpace, Tip, TipSpec
+    from .algebra.face_relations import Relation
     from .contact.contact_system import ContactSystem
     from .contact.faces import Faces, FaceWork, Scales
     from .contact.problem import ContactProblem
@@ -22,12 +23,12 @@ if TYPE_CHECKING:
     from .operators import Component
 
 
-class Nodes(Protocol):
-    """What cones, laws of friction and active sets ask: of n nodes, one for each multiplier of a component. No arc lengths."""
+class Points(Protocol):
+    """What coefficients of laws ask: of n points of the cracks."""
 
     @property
     def cracks(self) -> np.ndarray:
-        """(n,) int: of each node the number of its crack."""
+        """(n,) int: of each the number of its crack."""
 
     @property
     def positions(self) -> np.ndarray:
@@ -35,7 +36,19 @@ class Nodes(Protocol):
 
     @property
     def weights(self) -> np.ndarray:
-        """(n,): ∫ψ_i, how much of the cracks belongs to each node."""
+        """(n,): ∫ψ_i, how much of the cracks belongs to each of them."""
+
+    def __len__(self) -> int: ...
+
+    def Values(self, function: "CoefficientFunction") -> np.ndarray:
+        """(n,): a scalar function there."""
+
+    def Place(self, i: int) -> str:
+        """Where the i-th one is, in words."""
+
+
+class Nodes(Points, Protocol):
+    """What cones, laws of the faces and active sets ask: of n nodes, one for each multiplier of a component. No arc lengths."""
 
     @property
     def neighbours(self) -> np.ndarray:
@@ -48,14 +61,6 @@ class Nodes(Protocol):
     @property
     def mass(self) -> np.ndarray:
         """(n, n): ∫ψ_i ψ_j."""
-
-    def __len__(self) -> int: ...
-
-    def Values(self, function: "CoefficientFunction") -> np.ndarray:
-        """(n,): a scalar function at the nodes."""
-
-    def Place(self, i: int) -> str:
-        """Where the i-th node is, in words."""
 
 
 class Cone(Protocol):
@@ -145,6 +150,13 @@ class FaceLaw(Protocol):
 
     def Violation(self, p: np.ndarray, w: np.ndarray, faces: "Faces", scales: "Scales") -> float:
         """The largest violation of the law, relative to the scales."""
+
+
+class LawAtNodes(FaceLaw, Protocol):
+    """A FaceLaw that holds node by node, and may be one of several in a body."""
+
+    def At(self, nodes: Points) -> "Relation":
+        """The Relation between traction and jump at nodes, all or those of a crack. Raises ValueError for coefficients that make no sense at one of them."""
 
 
 class TipFunctions(Protocol):

@@ -2,6 +2,7 @@
 
 from .checks import Coercivity, InfSup
 from .conditioning import ConditionNumber, CrackScaling
+from .faces import FaceHistory
 from .friction import Coulomb, Tresca
 from .laws import BartonBandis, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb
 from .load_case import LoadCase
@@ -15,6 +16,6 @@ from .stabilisation import BarbosaHughes, BothSides
 __all__ = [
     "BarbosaHughes", "BothSides", "Nitsche",  # stabilisations
     "Coulomb", "Tresca", "MohrCoulomb", "Joint", "BartonBandis", "LinearCohesive", "ExponentialCohesive", "Dugdale",  # laws of the faces
-    "ContactProblem", "ContactSolution", "LoadCase", "LoadSteps", "PathSteps",  # the problem and its solutions
+    "ContactProblem", "ContactSolution", "LoadCase", "LoadSteps", "PathSteps", "FaceHistory",  # the problem and its solutions
     "Coercivity", "InfSup", "ConditionNumber", "CrackScaling",  # checks by number
 ]  # fmt: skip

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 class FaceHistory:
     """What the faces have gone through at n nodes, in values that mean the same on other nodes.
 
-    Attributes
+    Parameters
     ----------
     traction
-        (k, n), the components of λ: stresses.
+        (k, n), the components of λ, normal first: stresses.
     jump
         (k, n), opening and slip since the body was whole, lengths.
     variables

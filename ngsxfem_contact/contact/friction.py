@@ -24,7 +24,7 @@ from .faces import FaceWork
 
 if TYPE_CHECKING:
     from ..material import Coefficient
-    from ..protocols import Cone, FaceLaw, Nodes
+    from ..protocols import Cone, FaceLaw, Nodes, Points
     from .faces import Faces, Scales
     from .report import Report
 
@@ -55,7 +55,7 @@ class Frictionless:
         p, w = p / scales.traction, w / scales.moments
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
 
-    def At(self, nodes: Nodes) -> SlidingRelation:
+    def At(self, nodes: Points) -> SlidingRelation:
         """Beside other laws: nothing resists slip."""
         return rigid(Threshold(np.zeros(len(nodes)), np.zeros(len(nodes))))
 
@@ -169,7 +169,7 @@ class Tresca(Friction):
         """s at the nodes, or ∫sψ_i for the weak cone."""
         return Threshold(cone.Values(nodes, checked_values(nodes, self.s, "Tresca: s")), np.zeros(len(nodes)), self.in_contact_only)
 
-    def At(self, nodes: Nodes) -> SlidingRelation:
+    def At(self, nodes: Points) -> SlidingRelation:
         """Beside other laws."""
         return rigid(Threshold(checked_values(nodes, self.s, "Tresca: s"), np.zeros(len(nodes)), self.in_contact_only))
 
@@ -211,7 +211,7 @@ class Coulomb(Friction):
         """s = μ_f |p_n| at the nodes."""
         return Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f"))
 
-    def At(self, nodes: Nodes) -> SlidingRelation:
+    def At(self, nodes: Points) -> SlidingRelation:
         """Beside other laws."""
         return rigid(Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f")))
 
@@ -227,7 +227,7 @@ def check_threshold(value: Coefficient, name: str) -> None:
         check_number(value, name, lambda number: 0 <= number < INFINITY, "be a finite number >= 0")
 
 
-def checked_values(nodes: Nodes, function: Coefficient, name: str) -> np.ndarray:
+def checked_values(nodes: Points, function: Coefficient, name: str) -> np.ndarray:
     """Values at the multiplier's nodes, (len(nodes),); raises ValueError for values that are negative or not finite."""
     if not isinstance(function, CoefficientFunction):
         return np.full(len(nodes), float(function))

@@ -19,7 +19,7 @@ from .nodal_law import NodalLaw
 if TYPE_CHECKING:
     from ..algebra.softening import Softening
     from ..material import Coefficient
-    from ..protocols import Nodes
+    from ..protocols import Points
 
 
 class LawWithCoefficients(NodalLaw):
@@ -35,7 +35,7 @@ class LawWithCoefficients(NodalLaw):
             if not isinstance(value, CoefficientFunction):
                 check_number(value, self._called(name), partial(self._allows, name), f"be {self._must(name)}")
 
-    def Values(self, nodes: Nodes, name: str) -> np.ndarray:
+    def Values(self, nodes: Points, name: str) -> np.ndarray:
         """(n,): a coefficient at the nodes. Raises ValueError for one that makes no sense somewhere."""
         value = getattr(self, name)
         if not isinstance(value, CoefficientFunction):
@@ -83,7 +83,7 @@ class Joint(LawWithCoefficients):
     depends_on_path = False
     may_be_infinite = ("k_n", "k_t", "k_closed")
 
-    def At(self, nodes: Nodes) -> ElasticRelation:
+    def At(self, nodes: Points) -> ElasticRelation:
         """The relation at nodes."""
         return ElasticRelation(*(self.Values(nodes, name) for name in ("k_n", "k_t", "k_closed")))
 
@@ -98,10 +98,10 @@ class Cohesive(LawWithCoefficients):
     beta: Coefficient
 
     @abstractmethod
-    def Softening(self, nodes: Nodes) -> Softening:
+    def Softening(self, nodes: Points) -> Softening:
         """f at the nodes."""
 
-    def At(self, nodes: Nodes) -> CohesiveRelation:
+    def At(self, nodes: Points) -> CohesiveRelation:
         """The relation at nodes."""
         return CohesiveRelation(self.Softening(nodes), self.Values(nodes, "beta"))
 
@@ -136,7 +136,7 @@ class LinearCohesive(Cohesive):
         """At the beginning."""
         return 0.5 * self.strength * self.strength / self.G_c
 
-    def Softening(self, nodes: Nodes) -> LinearSoftening:
+    def Softening(self, nodes: Points) -> LinearSoftening:
         """f at the nodes."""
         strength = self.Values(nodes, "strength")
         return LinearSoftening(strength, 0.5 * strength**2 / self.Values(nodes, "G_c"))
@@ -168,7 +168,7 @@ class ExponentialCohesive(Cohesive):
         """At the beginning."""
         return self.strength * self.strength / self.G_c
 
-    def Softening(self, nodes: Nodes) -> ExponentialSoftening:
+    def Softening(self, nodes: Points) -> ExponentialSoftening:
         """f at the nodes."""
         strength = self.Values(nodes, "strength")
         return ExponentialSoftening(strength, strength / self.Values(nodes, "G_c"))
@@ -194,7 +194,7 @@ class Dugdale(Cohesive):
 
     positive = ("beta",)
 
-    def Softening(self, nodes: Nodes) -> LinearSoftening:
+    def Softening(self, nodes: Points) -> LinearSoftening:
         """f at the nodes."""
         return LinearSoftening(self.Values(nodes, "strength"), np.zeros(len(nodes)))
 
@@ -229,7 +229,7 @@ class MohrCoulomb(LawWithCoefficients):
     positive = ("k_n", "k_t")
     may_be_infinite = ("k_n", "k_t")
 
-    def At(self, nodes: Nodes) -> SlidingRelation:
+    def At(self, nodes: Points) -> SlidingRelation:
         """The relation at nodes."""
         mu_f, cohesion, dilation, k_n, k_t = (self.Values(nodes, name) for name in self._names())
         return SlidingRelation(LinearClosure(k_n), Threshold(cohesion, mu_f, in_contact_only=True), k_t, dilation)
@@ -264,7 +264,7 @@ class BartonBandis(LawWithCoefficients):
 
     positive = ("k_n0", "v_m")
 
-    def At(self, nodes: Nodes) -> SlidingRelation:
+    def At(self, nodes: Points) -> SlidingRelation:
         """The relation at nodes."""
         k_n0, v_m, mu_f = (self.Values(nodes, name) for name in self._names())
         rigid, nothing = np.full(len(nodes), INFINITY), np.zeros(len(nodes))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import CoefficientFunction
@@ -14,11 +14,12 @@ from ..algebra.face_newton import FaceProblem, solve_faces
 from ..algebra.face_relations import DividedRelation, Memory, Relation
 from ..errors import warn
 from ..operators import NORMAL, TANGENTIAL
+from ..protocols import LawAtNodes, check_role
 from .faces import FaceHistory, FaceWork
 
 if TYPE_CHECKING:
     from ..material import Coefficient
-    from ..protocols import FaceLaw, Nodes
+    from ..protocols import FaceLaw, Nodes, Points
     from .faces import Faces, Scales
     from .report import Report
 
@@ -35,7 +36,7 @@ class NodalLaw(ABC):
         return None
 
     @abstractmethod
-    def At(self, nodes: Nodes) -> Relation:
+    def At(self, nodes: Points) -> Relation:
         """The Relation, its coefficients evaluated. Raises ValueError for coefficients that make no sense somewhere."""
 
     def Problem(self, Q: np.ndarray, q: np.ndarray, faces: Faces) -> FaceProblem:
@@ -113,14 +114,29 @@ def before(faces: Faces) -> Memory:
 
 
 @dataclass(frozen=True)
-class PartOfNodes:
-    """Some of the Nodes, by their numbers: what coefficients are evaluated at."""
+class PartOfPoints:
+    """Some Points, by their numbers."""
 
-    nodes: Nodes
+    nodes: Points
     here: np.ndarray
 
     def __len__(self) -> int:
         return len(self.here)
+
+    @property
+    def cracks(self) -> np.ndarray:
+        """(n,): the numbers of their cracks."""
+        return self.nodes.cracks[self.here]
+
+    @property
+    def positions(self) -> np.ndarray:
+        """(n, dimension): the points."""
+        return self.nodes.positions[self.here]
+
+    @property
+    def weights(self) -> np.ndarray:
+        """(n,): ∫ψ_i."""
+        return self.nodes.weights[self.here]
 
     def Values(self, function: CoefficientFunction) -> np.ndarray:
         """(n,): a scalar function there."""
@@ -144,24 +160,23 @@ class LawByCrack(NodalLaw):
     Raises
     ------
     TypeError
-        For a law that does not hold node by node: it needs At(nodes).
+        For what is no law, and for one that has no At(nodes).
     """
 
-    def __init__(self, laws: Mapping[int, Any], otherwise: Any) -> None:
+    def __init__(self, laws: Mapping[int, LawAtNodes], otherwise: LawAtNodes) -> None:
         self.laws, self.otherwise = dict(laws), otherwise
-        for law in (*self.laws.values(), otherwise):
-            if not hasattr(law, "At"):
-                raise TypeError(f"LawByCrack: {law!r} cannot be one of several laws, it has no At(nodes); docs/extending.md says what that is")
+        for crack, law in self.laws.items():
+            check_role(law, LawAtNodes, f"the law of crack {crack}: law", "a law that holds node by node, such as Joint(k_n, k_t)")
         self.depends_on_path = any(law.depends_on_path for law in (*self.laws.values(), otherwise))
 
     @property
     def softening(self) -> Coefficient | None:
         """The sum of all."""
-        slopes = [law.softening for law in (*self.laws.values(), self.otherwise) if getattr(law, "softening", None) is not None]
+        slopes = [slope for law in (*self.laws.values(), self.otherwise) if (slope := getattr(law, "softening", None)) is not None]
         return sum(slopes[1:], slopes[0]) if slopes else None
 
-    def At(self, nodes: Nodes) -> DividedRelation:
+    def At(self, nodes: Points) -> DividedRelation:
         """That of its crack at each node."""
         cracks = np.unique(nodes.cracks)
         parts = [np.flatnonzero(nodes.cracks == crack) for crack in cracks]
-        return DividedRelation([(here, self.laws.get(int(crack), self.otherwise).At(PartOfNodes(nodes, here))) for crack, here in zip(cracks, parts)])
+        return DividedRelation([(here, self.laws.get(int(crack), self.otherwise).At(PartOfPoints(nodes, here))) for crack, here in zip(cracks, parts)])

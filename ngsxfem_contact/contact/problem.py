@@ -16,7 +16,7 @@ from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
 from ..material import Isotropic
 from ..operators import Gradient, Minus, Plus
-from ..protocols import FaceLaw, Stabilisation, check_role
+from ..protocols import FaceLaw, LawAtNodes, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
 from .cones import CONES
@@ -69,12 +69,12 @@ def check_no_function(stress: CoefficientFunction) -> None:
         raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
 
 
-def law_of(law: FaceLaw | Mapping[int, FaceLaw | None] | None, body: CrackedMesh) -> FaceLaw:
+def law_of(law: FaceLaw | Mapping[int, LawAtNodes | None] | None, body: CrackedMesh) -> FaceLaw:
     """The law of all faces. Raises TypeError for what is none, ValueError for a crack that is not there."""
     if isinstance(law, Mapping):
         for crack in law:
             check_item(crack, body.cracks, "crack", "body.cracks")
-        return LawByCrack({crack: law_of(own, body) for crack, own in law.items()}, Frictionless())
+        return LawByCrack({crack: Frictionless() if own is None else own for crack, own in law.items()}, Frictionless())
     if law is not None:
         check_role(law, FaceLaw, "ContactProblem: law", "a law such as Coulomb(mu_f), a mapping {crack: law}")
     return Frictionless() if law is None else law
@@ -151,7 +151,7 @@ class ContactProblem:
         stabilisation: Stabilisation | None = BarbosaHughes(),
         cone: str = "nonpositive",
         gap: Coefficient = 0,
-        law: FaceLaw | Mapping[int, FaceLaw | None] | None = None,
+        law: FaceLaw | Mapping[int, LawAtNodes | None] | None = None,
         initial_stress: CoefficientFunction | None = None,
         temperature: Coefficient | None = None,
     ) -> None:

@@ -13,7 +13,6 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, Nitsche, TraceSpace, Tresca
 from ngsxfem_contact.contact import BartonBandis, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb
 from ngsxfem_contact.contact.friction import Frictionless
-from ngsxfem_contact.contact.nodal_law import LawByCrack
 from ngsxfem_contact.errors import AccuracyWarning
 from study.paper import paper_problem, unstructured_mesh
 
@@ -399,8 +398,10 @@ def test_a_law_without_relation_does_not_go_with_others():
     class Own(Frictionless):
         At = property()
 
-    with pytest.raises(TypeError, match="has no At"):
-        LawByCrack({0: Own()}, Frictionless())
+    with pytest.raises(TypeError, match="the law of crack 0: law=.* has no At; docs/extending.md"):
+        column({0: Own()})
+    with pytest.raises(TypeError, match="the law of crack 0: law=0.3 is neither a law that holds node by node"):
+        column({0: 0.3})
 
 
 def test_a_process_zone_that_the_mesh_does_not_resolve_warns():
