@@ -2,19 +2,24 @@
 
 import pickle
 import re
+import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers import MATERIAL, array, rectangle
 from ngsolve import CF, IfPos, InnerProduct, Integrate, x, y
-from ngsolve.meshes import MakeStructured2DMesh
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, Nitsche, TraceSpace, Tresca
 from ngsxfem_contact.contact import BartonBandis, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb
 from ngsxfem_contact.contact.friction import Frictionless
 from ngsxfem_contact.errors import AccuracyWarning
+from ngsxfem_contact.exact.fracture_solutions import dugdale_strip
 from study.paper import paper_problem, unstructured_mesh
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
+from bodies import strip_mesh  # noqa: E402
 
 INF = float("inf")
 HEIGHT, E = 2.0, 10.0
@@ -238,23 +243,9 @@ def test_a_specimen_that_is_pulled_apart_costs_its_work_of_separation():
     assert unbalanced < 2e-3 * 0.05
 
 
-def graded(inner, h, outer):
-    sizes = h * 1.3 ** np.arange(1, 60)
-    return np.append(np.arange(0, inner + h / 2, h), inner + np.cumsum(sizes)[: np.searchsorted(np.cumsum(sizes), outer - inner) + 1])
-
-
-def strip(h, width=40.0, end=2.0):
-    """A half of a wide plate, fine beside its axis, with a row of elements along it; (mesh, its lower right corner)."""
-    xs, half = graded(end + 0.2, h, width), graded(0, h, width)[1:] - 0.8 * h
-    ys = np.concatenate([-half[::-1], half])
-    nx, ny = len(xs) - 1, len(ys) - 1
-    place = lambda u, v: (float(np.interp(u * nx, np.arange(nx + 1), xs)), float(np.interp(v * ny, np.arange(ny + 1), ys)))
-    return MakeStructured2DMesh(quads=False, nx=nx, ny=ny, mapping=place), (xs[-1], ys[0])
-
-
 def test_the_strip_of_dugdale():
     """a = 1: zone to sec(π σ / 2 σ_y), opening of the tip 8 σ_y / (π E′) ln of that, both within 1 %."""
-    (mesh, corner), sigma, modulus = strip(0.025), 0.5, 100.0
+    (mesh, corner), sigma, modulus = strip_mesh(0.025, end=2), 0.5, 100.0
     body = CrackedMesh(mesh, Crack([(0, 0), (2, 0)]))
     V = CrackFESpace(body, order=2, dirichletx="left", tip=None)
     problem = ContactProblem(V, TraceSpace(body, order=0), Elasticity.PlaneStress(modulus, 0.3), law=Dugdale(IfPos(x - 1, 1.0, 0.0)))
@@ -262,14 +253,13 @@ def test_the_strip_of_dugdale():
     problem.f += CF((0, sigma)) * v * body.ds("top") + CF((0, -sigma)) * v * body.ds("bottom")
     problem.Pin(corner, "y")
     solution = problem.Solve()
-    end = 1 / np.cos(0.5 * np.pi * sigma)
-    profile = solution.Profile(n=2001)
-    assert profile.gap[1000] == pytest.approx(8 / (np.pi * modulus) * np.log(end), rel=0.01)
+    exact = dugdale_strip(1.0, sigma, 1.0, modulus)
+    assert solution.Profile(n=2001).gap[1000] == pytest.approx(exact.opening, rel=0.01)
     s, gap = solution.state.nodes.arclengths, solution.state.history.jump[0]
     last = s[gap > 1e-9 * gap.max()].max()
     near = (s > last - 0.15) & (s < last - 0.0375)  # the gap ends as the distance to 3/2
     roots = np.roots(np.polyfit(s[near], gap[near] ** (2 / 3), 2))
-    assert roots[np.argmin(np.abs(roots - last))] - 1 == pytest.approx(end - 1, rel=0.01)
+    assert roots[np.argmin(np.abs(roots - last))] - 1 == pytest.approx(exact.end - 1, rel=0.01)
 
 
 def energy_error(solution, exact):
