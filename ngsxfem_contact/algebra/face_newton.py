@@ -12,9 +12,10 @@ F' is regular for rigid nodes (g' = 0), where it is Q, and for free ones (g' = 1
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
@@ -105,31 +106,12 @@ class Stuck(Exception):
         self.nodes = nodes
 
 
-def newton(problem: FaceProblem, y: np.ndarray, max_iterations: int, damped: bool = False, tolerance: float = 1e-12) -> FaceResult:
-    """A FaceResult.
+Advance: TypeAlias = Callable[[FaceProblem, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
-    Parameters
-    ----------
-    damped
-        Steps are halved until the residual falls.
-    tolerance
-        Of the residual, relative.
 
-    Raises
-    ------
-    Stuck
-    """
-    residual, scale = problem.Residual(y), 0.0
-    for iteration in range(max_iterations):
-        scale = max(scale, problem.Scale(y))  # of the way, which may lead to zero
-        if np.abs(residual).max(initial=0) <= tolerance * scale:
-            return FaceResult(y, iteration, "damped Newton" if damped else "Newton")
-        try:
-            step = np.linalg.solve(problem.Matrix(y), -problem.m * residual).reshape(y.shape)
-        except np.linalg.LinAlgError:
-            raise Stuck("its matrix is singular") from None
-        y, residual = shortened(problem, y, step, residual) if damped else (y + step, problem.Residual(y + step))
-    raise Stuck(f"{max_iterations} steps were not enough")
+def full(problem: FaceProblem, y: np.ndarray, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """y + step and its residual."""
+    return y + step, problem.Residual(y + step)
 
 
 def shortened(problem: FaceProblem, y: np.ndarray, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,6 +124,33 @@ def shortened(problem: FaceProblem, y: np.ndarray, step: np.ndarray, residual: n
     raise Stuck("no part of a step makes the residual smaller")
 
 
+def newton(problem: FaceProblem, y: np.ndarray, max_iterations: int, advance: Advance = full, tolerance: float = 1e-12) -> tuple[np.ndarray, int]:
+    """y with F(y) = 0, and the number of steps that led to it.
+
+    Parameters
+    ----------
+    advance
+        How far a step goes: `full` or `shortened`.
+    tolerance
+        Of the residual, relative.
+
+    Raises
+    ------
+    Stuck
+    """
+    residual, scale = problem.Residual(y), 0.0
+    for iteration in range(max_iterations):
+        scale = max(scale, problem.Scale(y))  # of the way, which may lead to zero
+        if np.abs(residual).max(initial=0) <= tolerance * scale:
+            return y, iteration
+        try:
+            step = np.linalg.solve(problem.Matrix(y), -problem.m * residual).reshape(y.shape)
+        except np.linalg.LinAlgError:
+            raise Stuck("its matrix is singular") from None
+        y, residual = advance(problem, y, step, residual)
+    raise Stuck(f"{max_iterations} steps were not enough")
+
+
 def solve_faces(problem: FaceProblem, start: np.ndarray, max_iterations: int) -> FaceResult:
     """A FaceResult: full steps, then damped ones, then the load little by little.
 
@@ -150,11 +159,11 @@ def solve_faces(problem: FaceProblem, start: np.ndarray, max_iterations: int) ->
     NotConverged
         If none of them ends.
     """
-    for attempt in (lambda: newton(problem, start, max_iterations), lambda: newton(problem, start, max_iterations, damped=True)):
+    for method, advance in (("Newton", full), ("damped Newton", shortened)):
         try:
-            return attempt()
+            return FaceResult(*newton(problem, start, max_iterations, advance), method)
         except Stuck as stuck:
-            logger.debug("faces: Newton's method stopped, %s", stuck)
+            logger.debug("faces: %s stopped, %s", method, stuck)
     return continued(problem, start, max_iterations)
 
 
@@ -165,7 +174,7 @@ def continued(problem: FaceProblem, start: np.ndarray, max_iterations: int, smal
     y, done, step, iterations = start, 0.0, 0.5, 0
     while done < 1:
         try:
-            result = newton(at(min(done + step, 1)), y, max_iterations)
+            y, number = newton(at(min(done + step, 1)), y, max_iterations)
         except Stuck as stuck:
             step *= 0.5
             if step < smallest:
@@ -174,5 +183,5 @@ def continued(problem: FaceProblem, start: np.ndarray, max_iterations: int, smal
                     "where faces soften the load may be beyond what they carry, or the load-displacement curve snaps back: take smaller load steps, or PathSteps"
                 ) from None
         else:
-            y, done, step, iterations = result.y, min(done + step, 1), 2 * step, iterations + result.iterations
+            done, step, iterations = min(done + step, 1), 2 * step, iterations + number
     return FaceResult(y, iterations, "Newton along a path")

@@ -7,23 +7,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import BilinearForm, Grad, InnerProduct, specialcf
+from ngsolve import CF, BilinearForm, Grad, InnerProduct, specialcf
 
 from ..algebra.elimination import Elimination, unit_scale
 from ..algebra.matrices import csr_view, mask, to_scipy
-from ..errors import NotCoercive, SingularSystem
+from ..errors import NotCoercive, SingularSystem, warn
 from ..operators import NormalGap
 from ..spaces.connectivity import RigidMotions
 from ..spaces.unknowns import Unknowns
 from .contact_system import stiffness_form
 from .mixed_system import LocalPressures
+from .nodal_law import NodalLaw
 from .stabilisation import trait
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
     from ngsolve import BaseMatrix, BitArray, CoefficientFunction
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackFESpace, TraceSpace
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, ElementLocation, TraceSpace
     from .contact_system import ContactSystem
     from .problem import ContactProblem
 
@@ -108,6 +112,33 @@ def check_coercive(problem: ContactProblem, elimination: Elimination) -> None:
     if smallest <= 1e-10:
         remedy = trait(stabilisation, "Remedy")(smallest)
         raise NotCoercive(f"γ is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; {remedy}")
+
+
+def warn_of_brittle_faces(problem: ContactProblem, nodes: Any) -> None:
+    """Warns of elements larger than E′ / (slope by which the faces soften) there: nodes break one by one, each with a snap-back of its own; nodes: the plane's."""
+    if not isinstance(problem.law, NodalLaw):
+        return
+    slopes = np.broadcast_to(problem.law.At(nodes).steepest, len(nodes))
+    if not slopes.any():
+        return
+    sizes, modulus = np.array([T.h for T in locations_of(problem.body, nodes)]), nodes.Values(CF(problem.material.E_prime))
+    worst = int(np.argmax(sizes * slopes / modulus))
+    length = modulus[worst] / slopes[worst]
+    if sizes[worst] > length:
+        warn(
+            f"the faces soften within {length:.3g}, less than an element ({sizes[worst]:.3g}), at {nodes.Place(worst)}: nodes break one by one there, and the load "
+            f"that they carry is wrong; refine to h <= {length / 3:.2g} along the crack, or take a larger G_c or a smaller strength"
+        )
+
+
+def locations_of(body: CrackedMesh, nodes: Any) -> Iterator[ElementLocation]:
+    """The ElementLocation of each node, of two the first."""
+    for crack in range(len(body.cracks)):
+        locations = body.Elements(crack)
+        ends = np.array([max(T.arclength) for T in locations])
+        order = np.argsort(ends)
+        found: list[int] = np.searchsorted(ends[order], nodes.arclengths[nodes.cracks == crack]).tolist()
+        yield from (locations[order[min(i, len(order) - 1)]] for i in found)
 
 
 def Coercivity(problem: ContactProblem) -> float:

@@ -99,8 +99,8 @@ class Friction(ABC):
         return result.p
 
     def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
-        """None: the jump says where the next slip begins."""
-        return {}
+        """Where the next slip begins, for other laws that may follow."""
+        return {"slip": faces.Jumps(w)[1]}
 
     def Work(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> FaceWork:
         """∫λ_t Δg_t of a step is dissipated.

@@ -12,7 +12,6 @@ from ngsolve import CoefficientFunction
 
 from ..algebra.face_newton import FaceProblem, solve_faces
 from ..algebra.face_relations import DividedRelation, Memory, Relation
-from ..errors import warn
 from ..operators import NORMAL, TANGENTIAL
 from ..protocols import LawAtNodes, check_role
 from .faces import FaceHistory, FaceWork
@@ -43,9 +42,7 @@ class NodalLaw(ABC):
         """The FaceProblem of w = Q p + q."""
         a = np.tile(faces.traction_weights, 2)
         relation = self.At(faces.nodes)
-        c = relation.Stiffness(faces.stiffness)
-        warn_of_brittle_nodes(relation, faces)
-        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, c, before(faces))
+        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, relation.Stiffness(faces.stiffness), before(faces))
 
     def Start(self, problem: FaceProblem, faces: Faces, start: np.ndarray | FaceHistory | None) -> np.ndarray:
         """The trial tractions to begin with: those that are given or of the last step; else those of faces that do not move, whatever touched in another solution.
@@ -90,17 +87,6 @@ class NodalLaw(ABC):
         relation = self.At(faces.nodes)
         c = relation.Stiffness(faces.stiffness)
         return relation, faces.Tractions(p) + c * faces.Jumps(w), c
-
-
-def warn_of_brittle_nodes(relation: Relation, faces: Faces) -> None:
-    """Warns where faces soften faster than the body unloads beside a node, in the mean over nodes that soften: they break one by one, with snap-backs of their own."""
-    ratio, weights = relation.steepest / faces.stiffness[0], np.where(relation.steepest, faces.nodes.weights, 0)
-    mean = float(ratio @ weights / max(weights.sum(), np.finfo(float).tiny))
-    if mean > 1:
-        warn(
-            f"the faces soften faster than the mesh resolves, at {faces.nodes.Place(int(np.argmax(ratio * weights)))} and elsewhere: nodes break one by one there, and the load that they carry is wrong; "
-            f"refine the mesh along the crack by a factor of {3 * mean:.2g}, or take a larger G_c or a smaller strength"
-        )
 
 
 def gives_way(law: FaceLaw, nodes: Nodes) -> bool:

@@ -107,7 +107,7 @@ class ContactProblem:
     cone
         "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap
-        Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
+        Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length. Laws that pull do so on g_n + g_0.
     law
         Of the faces: None (default), contact without friction; Tresca(s), Coulomb(mu_f), MohrCoulomb, Joint, BartonBandis, LinearCohesive, ExponentialCohesive,
         Dugdale; or {number of a crack: its law}, None on the others.

@@ -33,7 +33,7 @@ class CrackProfile:
     slip
         g_t.
     sigma_n
-        λ ≤ 0.
+        λ: ≤ 0, but where a law pulls.
     sigma_t
         λ_t with friction, see Profile.
     """

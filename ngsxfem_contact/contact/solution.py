@@ -61,7 +61,7 @@ class ContactSolution:
     u : GridFunction
         The displacement.
     multiplier : GridFunction
-        λ, the contact pressure ≤ 0.
+        λ, the normal traction that the faces exert on each other: ≤ 0, but where a law pulls.
     tangential_multiplier : GridFunction or None
         λ_t; None without friction.
     a : StiffnessForm
@@ -163,7 +163,7 @@ class ContactSolution:
         return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
     def ContactForce(self, crack: int = 0) -> float:
-        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length.
+        """∫λ over a crack, ≤ 0 unless a law pulls: the normal force that its faces exert on each other, stress × length.
 
         Returns
         -------

@@ -14,7 +14,7 @@ from ..loads.reactions import SupportResidual
 from ..protocols import Cone, Nodes
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
-from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
+from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions, warn_of_brittle_faces
 from .contact_system import ContactSystem
 from .faces import FaceHistory, Faces, Scales
 from .friction import transformation
@@ -73,6 +73,7 @@ class ReducedProblem:
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
             check_gap(system)
+            warn_of_brittle_faces(problem, system.nodes)
         with stage(self.timings, "factor", f"eliminating {size}"):
             free = without_negligible(system.stiffness, problem.V, problem.free)
             self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse)

@@ -404,12 +404,12 @@ def test_a_process_zone_that_the_mesh_does_not_resolve_warns():
         problem.SetDirichlet((0, 0.01), "top")
         return problem.Solve()
 
-    with pytest.warns(AccuracyWarning, match="soften faster than the mesh resolves, at arc length .* refine the mesh along the crack by") as warned:
+    with pytest.warns(AccuracyWarning, match="soften within 0.2, less than an element .* at arc length .* nodes break one by one") as warned:
         solved(0.4)
-    factor = float(re.search(r"by a factor of ([\d.]+)", str(warned[0].message))[1])
+    h = float(re.search(r"refine to h <= ([\d.]+) along", str(warned[0].message))[1])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        solved(0.4 / factor)
+        solved(h)
 
 
 def test_the_report_has_the_states_of_the_faces():
