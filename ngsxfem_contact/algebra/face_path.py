@@ -12,6 +12,8 @@ import numpy as np
 from ..errors import NotConverged
 from .face_newton import FaceProblem, Stuck
 
+FAR = 5.0  # how many steps faces may go back while others go ahead
+
 
 @dataclass(frozen=True)
 class PathPoint:
@@ -46,11 +48,15 @@ class FacePath:
         """The FaceProblem of a load factor."""
         return replace(self.problem, q=self.problem.q + t * self.q_1)
 
-    def Growth(self, y: np.ndarray, node: int | None = None) -> tuple[float, np.ndarray]:
-        """The growth of the progress, the largest or that of a node, and its derivative by y, (2 n,)."""
+    def Growths(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n,), the growth of the progress of each node, and its derivative by the trial tractions there, (2, n)."""
         relation, c, before = self.problem.relation, self.problem.c, self.problem.before
         progress, slope = relation.Progress(y, c, before)
-        growth = progress - relation.Progress(self.last.y, c, before)[0]
+        return progress - relation.Progress(self.last.y, c, before)[0], slope
+
+    def Growth(self, y: np.ndarray, node: int | None = None) -> tuple[float, np.ndarray]:
+        """The growth of the progress, the largest or that of a node, and its derivative by y, (2 n,)."""
+        growth, slope = self.Growths(y)
         first = int(np.argmax(growth)) if node is None else node
         derivative = np.zeros_like(y)
         derivative[:, first] = slope[:, first]
@@ -95,16 +101,22 @@ class FacePath:
     def Led(self, start: PathPoint, step: float, max_iterations: int) -> tuple[PathPoint, int]:
         """The same; where it is stuck, a node at which it is stuck may go ahead while all others stay behind, even go back. Raises Stuck."""
         try:
-            return self.Newton(start, step, max_iterations)
+            return self._near(*self.Newton(start, step, max_iterations), step)
         except Stuck as stuck:
             for node in stuck.nodes:
                 try:
-                    point, iterations = self.Newton(self.last, step, max_iterations, node)
+                    return self._near(*self.Newton(self.last, step, max_iterations, node), step)
                 except Stuck:
                     continue
-                if self.Growth(point.y)[0] <= step * (1 + 1e-6):
-                    return point, iterations
             raise
+
+    def _near(self, point: PathPoint, iterations: int, step: float) -> tuple[PathPoint, int]:
+        """The same; raises Stuck for a point far away, where all faces go back by much more than the step: another path, of a load of the other sign as a rule."""
+        growth, _ = self.Growths(point.y)
+        if growth.max() > step * (1 + 1e-6) or growth.min() < -FAR * step:
+            nodes = np.argsort(-self.problem.relation.Progress(self.last.y, self.problem.c, self.problem.before)[0])
+            raise Stuck("the point that it found is on another path", nodes[:3].tolist())
+        return point, iterations
 
     def Step(self, step: float, max_iterations: int, smallest: float = 1e-3) -> tuple[PathPoint, int]:
         """The same, in parts of the step where Newton's method does not take it at once. Raises NotConverged."""

@@ -21,13 +21,12 @@ from .nodal_law import NodalLaw
 from .stabilisation import trait
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from typing import Any
 
     from ngsolve import BaseMatrix, BitArray, CoefficientFunction
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, ElementLocation, TraceSpace
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
     from .contact_system import ContactSystem
     from .problem import ContactProblem
 
@@ -121,7 +120,7 @@ def warn_of_brittle_faces(problem: ContactProblem, nodes: Any) -> None:
     slopes = np.broadcast_to(problem.law.At(nodes).steepest, len(nodes))
     if not slopes.any():
         return
-    sizes, modulus = np.array([T.h for T in locations_of(problem.body, nodes)]), nodes.Values(CF(problem.material.E_prime))
+    sizes, modulus = sizes_at(problem.body, nodes), nodes.Values(CF(problem.material.E_prime))
     worst = int(np.argmax(sizes * slopes / modulus))
     length = modulus[worst] / slopes[worst]
     if sizes[worst] > length:
@@ -131,14 +130,14 @@ def warn_of_brittle_faces(problem: ContactProblem, nodes: Any) -> None:
         )
 
 
-def locations_of(body: CrackedMesh, nodes: Any) -> Iterator[ElementLocation]:
-    """The ElementLocation of each node, of two the first."""
+def sizes_at(body: CrackedMesh, nodes: Any) -> np.ndarray:
+    """(n,): the h of the element at each node, of two the first."""
+    sizes = np.empty(len(nodes))
     for crack in range(len(body.cracks)):
-        locations = body.Elements(crack)
-        ends = np.array([max(T.arclength) for T in locations])
-        order = np.argsort(ends)
-        found: list[int] = np.searchsorted(ends[order], nodes.arclengths[nodes.cracks == crack]).tolist()
-        yield from (locations[order[min(i, len(order) - 1)]] for i in found)
+        here = nodes.cracks == crack
+        ends, h = np.array(sorted((max(T.arclength), T.h) for T in body.Elements(crack))).T
+        sizes[here] = h[np.minimum(np.searchsorted(ends, nodes.arclengths[here]), len(h) - 1)]
+    return sizes
 
 
 def Coercivity(problem: ContactProblem) -> float:

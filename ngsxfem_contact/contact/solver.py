@@ -176,7 +176,7 @@ class ReducedProblem:
             return previous
         if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
             raise ValueError("previous is a solution on other spaces; load steps need one on the V and W of the problem")
-        if previous.state.cone != cone:
+        if problem.law.depends_on_path and previous.state.cone != cone:
             raise ValueError(f"previous is a solution with the cone {previous.state.cone}, this one has {cone}; all load steps need the same")
         if len(previous.problem.law.components) != len(problem.law.components):
             raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")

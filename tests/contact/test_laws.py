@@ -16,7 +16,7 @@ from ngsxfem_contact.contact import BartonBandis, Dugdale, ExponentialCohesive, 
 from ngsxfem_contact.contact.friction import Frictionless
 from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.exact.fracture_solutions import dugdale_strip
-from study.paper import paper_problem, unstructured_mesh
+from study.paper import add_loads, paper_problem, unstructured_mesh
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
 from bodies import strip_mesh  # noqa: E402
@@ -331,6 +331,25 @@ def test_a_history_of_coulomb_in_both_ways():
         ours, theirs = two.Solve(t), one.Solve(t)
         assert np.abs(ours.Multipliers() - theirs.Multipliers()).max() < 1e-9 * np.abs(theirs.Multipliers()).max()
         assert ours.DissipatedEnergy() == pytest.approx(theirs.DissipatedEnergy(), rel=1e-8, abs=1e-15)
+
+
+@pytest.mark.parametrize("before, after", [(Coulomb(0.3), {0: Coulomb(0.3)}), ({0: Coulomb(0.3)}, Coulomb(0.3))])
+def test_slip_stays_when_another_method_goes_on(before, after):
+    """An unchanged load changes nothing and dissipates nothing."""
+    problem = paper_problem(unstructured_mesh(0.1), "C", law=before)
+    first = problem.Solve()
+    other = ContactProblem(problem.V, problem.W, problem.material, law=after)
+    add_loads(other, "C")
+    second = other.Solve(previous=first)
+    assert np.abs(second.Multipliers() - first.Multipliers()).max() < 1e-10 and first.DissipatedEnergy() > 1e-6
+    assert abs(second.DissipatedEnergy()) < 1e-10 * first.DissipatedEnergy()
+
+
+def test_load_steps_have_one_cone():
+    steps = LoadSteps(column(MohrCoulomb(0.3)))
+    steps.Solve(1)
+    with pytest.raises(ValueError, match="previous is a solution with the cone Nonpositive.*all load steps need the same"):
+        steps.Solve(2, cone="weak")
 
 
 # What travels

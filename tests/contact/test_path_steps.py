@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
-from helpers import rectangle
-from ngsolve import CF, x, y
+from helpers import array, rectangle
+from netgen.geom2d import SplineGeometry
+from netgen.meshing import MeshingParameters
+from ngsolve import CF, IfPos, Mesh, x, y
 from test_laws import HEIGHT, E, column, softening
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
@@ -54,6 +56,42 @@ def test_a_specimen_that_snaps_back_costs_its_work_of_separation():
         factors.append(steps.t)
         assert work == pytest.approx(lost + solution.FaceEnergy() + solution.Energy(), abs=5e-3 * G_C)
     assert np.diff(factors).min() < 0 and lost == pytest.approx(G_C, rel=5e-3)
+
+
+def notched_beam():
+    """Three-point bending: a notch of 0.2, and a cohesive ligament above it up to the load; supports at (0, 0) and (4, 0), force 1 at the top."""
+    geometry = SplineGeometry()
+    corners = ((0, 0), (4, 0), (4, 1), (2.1, 1), (1.9, 1), (0, 1))
+    points = [geometry.AppendPoint(*corner) for corner in corners]
+    for i in range(6):
+        geometry.Append(["line", points[i], points[(i + 1) % 6]], bc="load" if i == 3 else "free")
+    sizes = MeshingParameters(maxh=0.25, grading=0.2)
+    for height in np.arange(0, 1.01, 0.04):
+        sizes.RestrictH(x=2.013, y=float(height), z=0, h=0.04)
+    body = CrackedMesh(Mesh(geometry.GenerateMesh(mp=sizes)), Crack([(2.013, 0), (2.013, 0.97)]))
+    V = CrackFESpace(body, order=2, tip=None)
+    law = LinearCohesive(IfPos(y - 0.2, 1.0, 0.0), 4e-4)
+    problem = ContactProblem(V, TraceSpace(body, order=0), Elasticity.PlaneStress(1000, 0.2), law=law)
+    problem.Pin((0, 0), "xy")
+    problem.Pin((4, 0), "y")
+    problem.f += CF((0, -5)) * V.TestFunction() * body.ds("load")
+    return problem
+
+
+@pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # a tip without functions, which stays closed until the end
+def test_a_notched_beam_in_bending():
+    """Node after node breaks, the load rises and falls: at every step its work is what the beam stores and its faces have cost."""
+    steps, work, lost, last, loads = PathSteps(notched_beam()), 0.0, 0.0, (0.0, 0.0), []
+    for _ in range(130):
+        solution = steps.Solve(5e-5)
+        way = float(array(solution.u.vec) @ solution.case.F) / steps.t
+        work += 0.5 * (steps.t + last[0]) * (way - last[1])
+        last, lost = (steps.t, way), lost + solution.DissipatedEnergy()
+        loads.append(steps.t)
+        assert work == pytest.approx(lost + solution.FaceEnergy() + solution.Energy(), abs=5e-7)
+    assert loads[-1] < 0.2 * max(loads) < 0.2 * 0.8**2 / 2 / 0.975  # less than if the whole ligament pulled at its strength
+    broken = solution.report.states["broken"]  # of the nodes, 0.21 of which belong to the notch
+    assert 0.5 < broken and lost < 4e-4 * 0.77
 
 
 def test_a_block_that_slides_under_a_fixed_pressure():
