@@ -40,6 +40,7 @@ def numbers_of_step(solution: ContactSolution) -> dict[str, Any]:
     return {
         "energy": solution.Energy(),
         "dissipated_energy": solution.DissipatedEnergy(),
+        "face_energy": solution.FaceEnergy(),
         "cracks": [
             {
                 "contact_force": solution.ContactForce(crack),
