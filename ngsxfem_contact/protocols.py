@@ -43,6 +43,9 @@ class Points(Protocol):
     def Values(self, function: "CoefficientFunction") -> np.ndarray:
         """(n,): a scalar function there."""
 
+    def Means(self, function: "CoefficientFunction") -> np.ndarray:
+        """(n,): its means with the functions ψ_i, where there are such."""
+
     def Place(self, i: int) -> str:
         """Where the i-th one is, in words."""
 

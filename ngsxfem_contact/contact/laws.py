@@ -36,7 +36,7 @@ class LawWithCoefficients(NodalLaw):
                 check_number(value, self._called(name), partial(self._allows, name), f"be {self._must(name)}")
 
     def Values(self, nodes: Points, name: str) -> np.ndarray:
-        """(n,): a coefficient at the nodes. Raises ValueError for one that makes no sense somewhere."""
+        """(n,): a coefficient in the mean at each node, so that ∫f is right. Raises ValueError for one that makes no sense at a node."""
         value = getattr(self, name)
         if not isinstance(value, CoefficientFunction):
             return np.full(len(nodes), float(value))
@@ -44,7 +44,7 @@ class LawWithCoefficients(NodalLaw):
         wrong = [i for i in range(len(nodes)) if not self._allows(name, float(values[i]))]
         if wrong:
             raise ValueError(f"{self._called(name)} is {values[wrong[0]]} at {nodes.Place(wrong[0])}: it must be {self._must(name)}")
-        return values
+        return nodes.Means(value)
 
     def _names(self) -> list[str]:
         return [each.name for each in fields(self)]  # type: ignore[arg-type]

@@ -128,6 +128,10 @@ class PartOfPoints:
         """(n,): a scalar function there."""
         return self.nodes.Values(function)[self.here]
 
+    def Means(self, function: CoefficientFunction) -> np.ndarray:
+        """(n,): its means with the functions ψ_i."""
+        return self.nodes.Means(function)[self.here]
+
     def Place(self, i: int) -> str:
         """Where the i-th of them is, in words."""
         return self.nodes.Place(int(self.here[i]))
