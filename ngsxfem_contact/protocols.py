@@ -131,7 +131,7 @@ class FaceLaw(Protocol):
         """Whether load steps hand on what the faces have gone through."""
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, faces: "Faces", start: np.ndarray | None, report: "Report", max_iterations: int) -> np.ndarray:
-        """p.
+        """p, and after it the α of rigid motions that only the faces hold, where there are such; see `contact.faces.Faces`.
 
         Parameters
         ----------

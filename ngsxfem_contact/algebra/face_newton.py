@@ -27,7 +27,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class FaceProblem:
-    """F(y) at n nodes.
+    """F(y) at n nodes, and the balance of parts of the body that only the faces hold; z = (y, α), α their motions.
 
     Parameters
     ----------
@@ -41,6 +41,8 @@ class FaceProblem:
         (2, n), its stiffness.
     before
         The variables of the last step.
+    motions, pull
+        (2 n, r), minus the weighted jumps of r rigid motions, and (r,), the work of the load on them: F = m g + Q t + q + motions α, motionsᵀ t + pull = 0.
     """
 
     Q: np.ndarray
@@ -49,6 +51,8 @@ class FaceProblem:
     relation: Relation
     c: np.ndarray
     before: Memory = field(default_factory=dict)
+    motions: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    pull: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def m(self) -> np.ndarray:
@@ -56,44 +60,69 @@ class FaceProblem:
         return np.tile(self.weights, 2)
 
     @cached_property
+    def units(self) -> np.ndarray:
+        """(2 n + r,): what makes lengths of the equations."""
+        return np.append(self.m, np.full(len(self.pull), self.m @ self.c.ravel()))
+
+    @cached_property
+    def B(self) -> np.ndarray:
+        """The motions, (2 n, r)."""
+        return self.motions.reshape(len(self.q), len(self.pull))
+
+    @cached_property
     def _by_jump(self) -> np.ndarray:
-        """m - Q c."""
-        return np.diag(self.m) - self.Q * self.c.ravel()
+        """m - Q c, and below it what the parts feel, -Bᵀ c."""
+        return np.concatenate([np.diag(self.m) - self.Q * self.c.ravel(), -self.B.T * self.c.ravel()])
 
-    def Jump(self, y: np.ndarray) -> np.ndarray:
+    def Trial(self, z: np.ndarray) -> np.ndarray:
+        """y, (2, n)."""
+        return z[: len(self.q)].reshape(2, -1)
+
+    def Jump(self, z: np.ndarray) -> np.ndarray:
         """(2, n)."""
-        return self.relation.Jump(y, self.c, self.before)[0]
+        return self.relation.Jump(self.Trial(z), self.c, self.before)[0]
 
-    def Traction(self, y: np.ndarray) -> np.ndarray:
+    def Traction(self, z: np.ndarray) -> np.ndarray:
         """(2, n)."""
-        return y - self.c * self.Jump(y)
+        return self.Trial(z) - self.c * self.Jump(z)
 
-    def Residual(self, y: np.ndarray) -> np.ndarray:
-        """F/m, (2 n,), a length: the jump of the law less that of the body."""
-        g = self.Jump(y)
-        return g.ravel() + (self.Q @ (y - self.c * g).ravel() + self.q) / self.m
+    def Residual(self, z: np.ndarray) -> np.ndarray:
+        """(2 n + r,), lengths: the jump of the law less that of the body, and what the parts lack of balance."""
+        g = self.Jump(z)
+        t = (self.Trial(z) - self.c * g).ravel()
+        return np.append(self.m * g.ravel() + self.Q @ t + self.q + self.B @ z[len(self.q) :], self.B.T @ t + self.pull) / self.units
 
-    def Matrix(self, y: np.ndarray) -> np.ndarray:
-        """F'."""
-        _, D = self.relation.Jump(y, self.c, self.before)
+    def Matrix(self, z: np.ndarray) -> np.ndarray:
+        """The derivative of units × Residual."""
+        _, D = self.relation.Jump(self.Trial(z), self.c, self.before)
         normal, tangential = np.hsplit(self._by_jump, 2)
-        return self.Q + np.hstack([normal * D[0, k] + tangential * D[1, k] for k in range(2)])
+        by_y = np.concatenate([self.Q, self.B.T]) + np.hstack([normal * D[0, k] + tangential * D[1, k] for k in range(2)])
+        return np.hstack([by_y, np.concatenate([self.B, np.zeros((len(self.pull),) * 2)])])
 
-    def Scale(self, y: np.ndarray) -> float:
-        """What a residual is compared with: the largest of the terms that cancel in it."""
-        g = self.Jump(y)
-        return float(max(np.abs(self.q / self.m).max(initial=0), np.abs(g).max(initial=0), np.abs(self.Q @ (self.c * g).ravel() / self.m).max(initial=0)))
+    def Scale(self, z: np.ndarray) -> np.ndarray:
+        """(2 n + r,): what a residual is compared with, the largest of the terms that cancel in it, for jumps and for the balance of parts."""
+        g, number = self.Jump(z), len(self.q)
+        jumps = (self.q, self.m * g.ravel(), self.Q @ (self.c * g).ravel(), self.B @ z[number:])
+        forces = (self.pull, np.abs(self.B.T) @ np.abs(self.Traction(z).ravel()))
+        largest = [max(np.abs(term / units).max(initial=0) for term in terms) for terms, units in ((jumps, self.m), (forces, self.units[number:]))]
+        return np.repeat(largest, (number, len(self.pull)))
 
     def Tied(self) -> np.ndarray:
-        """y where no node moves: the tractions of a body without cracks."""
-        return np.linalg.solve(self.Q, -self.q).reshape(2, -1)
+        """z where no node moves: the tractions of a body without cracks."""
+        matrix = np.block([[self.Q, self.B], [self.B.T, np.zeros((len(self.pull),) * 2)]])
+        return np.linalg.solve(matrix, -np.append(self.q, self.pull))
+
+    def With(self, t: np.ndarray, g: np.ndarray) -> np.ndarray:
+        """z of tractions and jumps that are known."""
+        known = self.m * g.ravel() + self.Q @ t.ravel() + self.q
+        return np.append(t + self.c * g, np.linalg.lstsq(self.B, -known)[0])
 
 
 @dataclass
 class FaceResult:
-    """y with F(y) = 0, how many Newton steps led to it, and how, in words."""
+    """z with F(y) = 0, how many Newton steps led to it, and how, in words."""
 
-    y: np.ndarray
+    z: np.ndarray
     iterations: int
     method: str
 
@@ -109,23 +138,23 @@ class Stuck(Exception):
 Advance: TypeAlias = Callable[[FaceProblem, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-def full(problem: FaceProblem, y: np.ndarray, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """y + step and its residual."""
-    return y + step, problem.Residual(y + step)
+def full(problem: FaceProblem, z: np.ndarray, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """z + step and its residual."""
+    return z + step, problem.Residual(z + step)
 
 
-def shortened(problem: FaceProblem, y: np.ndarray, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """y and its residual after a part of a step, the first half, quarter, ... after which Σ m F² is smaller."""
-    merit = problem.m @ residual**2
+def shortened(problem: FaceProblem, z: np.ndarray, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """z and its residual after a part of a step, the first half, quarter, ... after which Σ m F² is smaller."""
+    weights = np.append(problem.m, np.full(len(problem.pull), problem.m.sum()))
     for part in 0.5 ** np.arange(12):
-        new = problem.Residual(y + part * step)
-        if problem.m @ new**2 < (1 - 1e-4 * part) * merit:
-            return y + part * step, new
+        new = problem.Residual(z + part * step)
+        if weights @ new**2 < (1 - 1e-4 * part) * (weights @ residual**2):
+            return z + part * step, new
     raise Stuck("no part of a step makes the residual smaller")
 
 
-def newton(problem: FaceProblem, y: np.ndarray, max_iterations: int, advance: Advance = full, tolerance: float = 1e-12) -> tuple[np.ndarray, int]:
-    """y with F(y) = 0, and the number of steps that led to it.
+def newton(problem: FaceProblem, z: np.ndarray, max_iterations: int, advance: Advance = full, tolerance: float = 1e-12) -> tuple[np.ndarray, int]:
+    """z with F(y) = 0, and the number of steps that led to it.
 
     Parameters
     ----------
@@ -138,16 +167,15 @@ def newton(problem: FaceProblem, y: np.ndarray, max_iterations: int, advance: Ad
     ------
     Stuck
     """
-    residual, scale = problem.Residual(y), 0.0
+    residual, first = problem.Residual(z), problem.Scale(z)
     for iteration in range(max_iterations):
-        scale = max(scale, problem.Scale(y))  # of the way, which may lead to zero
-        if np.abs(residual).max(initial=0) <= tolerance * scale:
-            return y, iteration
+        if (np.abs(residual) <= tolerance * np.maximum(first, problem.Scale(z))).all():  # the way may lead to zero
+            return z, iteration
         try:
-            step = np.linalg.solve(problem.Matrix(y), -problem.m * residual).reshape(y.shape)
+            step = np.linalg.solve(problem.Matrix(z), -problem.units * residual)
         except np.linalg.LinAlgError:
             raise Stuck("its matrix is singular") from None
-        y, residual = advance(problem, y, step, residual)
+        z, residual = advance(problem, z, step, residual)
     raise Stuck(f"{max_iterations} steps were not enough")
 
 
@@ -169,19 +197,24 @@ def solve_faces(problem: FaceProblem, start: np.ndarray, max_iterations: int) ->
 
 def continued(problem: FaceProblem, start: np.ndarray, max_iterations: int, smallest: float = 1e-4) -> FaceResult:
     """From the problem that `start` solves, q moved to where it does, back to q in steps as large as Newton's method takes them."""
-    shift = problem.m * problem.Residual(start)
-    at = lambda part: replace(problem, q=problem.q - (1 - part) * shift)
-    y, done, step, iterations = start, 0.0, 0.5, 0
+    shift, number = problem.units * problem.Residual(start), len(problem.q)
+    at = lambda part: replace(problem, q=problem.q - (1 - part) * shift[:number], pull=problem.pull - (1 - part) * shift[number:])
+    z, done, step, iterations = start, 0.0, 0.5, 0
     while done < 1:
         try:
-            y, number = newton(at(min(done + step, 1)), y, max_iterations)
+            z, more = newton(at(min(done + step, 1)), z, max_iterations)
         except Stuck as stuck:
             step *= 0.5
             if step < smallest:
+                parts = (
+                    f", or {len(problem.pull)} rigid motions of parts of the body that only the faces hold are not held by them: fix these"
+                    if len(problem.pull)
+                    else ""
+                )
                 raise NotConverged(
                     f"the law of the faces: Newton's method ended neither at once nor in small steps of the load (the last at {done:.3g} of the way, {stuck}): "
-                    "where faces soften the load may be beyond what they carry, or the load-displacement curve snaps back: take smaller load steps, or PathSteps"
+                    f"where faces soften the load may be beyond what they carry, or the load-displacement curve snaps back: take smaller load steps, or PathSteps{parts}"
                 ) from None
         else:
-            done, step, iterations = min(done + step, 1), 2 * step, iterations + number
-    return FaceResult(y, iterations, "Newton along a path")
+            done, step, iterations = min(done + step, 1), 2 * step, iterations + more
+    return FaceResult(z, iterations, "Newton along a path")

@@ -17,22 +17,22 @@ FAR = 5.0  # how many steps faces may go back while others go ahead
 
 @dataclass(frozen=True)
 class PathPoint:
-    """y and t of a solution."""
+    """z and t of a solution."""
 
-    y: np.ndarray
+    z: np.ndarray
     t: float
 
 
 @dataclass(frozen=True)
 class FacePath:
-    """F(y, t) = 0 and, over all nodes, max (progress(y) - progress(y of the last point)) = step.
+    """F(y, t) = 0 and, over all nodes, max (progress(y) - progress(y of the last point)) = step; z = (y, α) as in FaceProblem.
 
     Parameters
     ----------
     problem
         The FaceProblem of t = 0.
     q_1
-        (2 n,).
+        (2 n + r,), of q and pull.
     last
         The point where the step begins.
     earlier
@@ -46,32 +46,33 @@ class FacePath:
 
     def At(self, t: float) -> FaceProblem:
         """The FaceProblem of a load factor."""
-        return replace(self.problem, q=self.problem.q + t * self.q_1)
+        number = len(self.problem.q)
+        return replace(self.problem, q=self.problem.q + t * self.q_1[:number], pull=self.problem.pull + t * self.q_1[number:])
 
-    def Growths(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def Growths(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(n,), the growth of the progress of each node, and its derivative by the trial tractions there, (2, n)."""
         relation, c, before = self.problem.relation, self.problem.c, self.problem.before
-        progress, slope = relation.Progress(y, c, before)
-        return progress - relation.Progress(self.last.y, c, before)[0], slope
+        progress, slope = relation.Progress(self.problem.Trial(z), c, before)
+        return progress - relation.Progress(self.problem.Trial(self.last.z), c, before)[0], slope
 
-    def Growth(self, y: np.ndarray, node: int | None = None) -> tuple[float, np.ndarray]:
-        """The growth of the progress, the largest or that of a node, and its derivative by y, (2 n,)."""
-        growth, slope = self.Growths(y)
+    def Growth(self, z: np.ndarray, node: int | None = None) -> tuple[float, np.ndarray]:
+        """The growth of the progress, the largest or that of a node, and its derivative by z."""
+        growth, slope = self.Growths(z)
         first = int(np.argmax(growth)) if node is None else node
-        derivative = np.zeros_like(y)
-        derivative[:, first] = slope[:, first]
-        return float(growth[first]), derivative.ravel()
+        derivative = np.zeros(len(z))
+        derivative[[first, first + len(growth)]] = slope[:, first]
+        return float(growth[first]), derivative
 
     def Ahead(self, step: float) -> PathPoint:
         """A point to begin with: as the last step went, or along the tangent, to the side where the faces give way more."""
-        y, t = self.last.y, self.last.t
+        z, t = self.last.z, self.last.t
         if self.earlier is None:
-            y_1, t_1 = np.linalg.solve(self.At(t).Matrix(y), -self.q_1).reshape(y.shape), 1.0
+            z_1, t_1 = np.linalg.solve(self.At(t).Matrix(z), -self.q_1), 1.0
         else:
-            y_1, t_1 = y - self.earlier.y, t - self.earlier.t
-        growth, sign = max((self.Growth(y + sign * y_1)[0], sign) for sign in (1, -1))
+            z_1, t_1 = z - self.earlier.z, t - self.earlier.t
+        growth, sign = max((self.Growth(z + sign * z_1)[0], sign) for sign in (1, -1))
         part = sign * step / growth if growth > 0 else 0.0
-        return PathPoint(y + part * y_1, t + part * t_1)
+        return PathPoint(z + part * z_1, t + part * t_1)
 
     def Newton(self, start: PathPoint, step: float, max_iterations: int, node: int | None = None, tolerance: float = 1e-12) -> tuple[PathPoint, int]:
         """The point a step away from the last one, that of a node or the largest, and the number of Newton steps.
@@ -81,21 +82,20 @@ class FacePath:
         Stuck
             With the nodes where the residual is largest at the end.
         """
-        y, t, scale = start.y, start.t, 0.0
+        z, t, first = start.z, start.t, self.problem.Scale(start.z)
         for iteration in range(max_iterations):
-            problem, (growth, derivative) = self.At(t), self.Growth(y, node)
-            residual = problem.Residual(y)
-            scale = max(scale, problem.Scale(y))
-            if np.abs(residual).max() <= tolerance * scale and abs(growth - step) <= 1e-9 * step:
-                return PathPoint(y, t), iteration
-            matrix = np.block([[problem.Matrix(y), self.q_1[:, None]], [derivative, np.zeros(1)]])
+            problem, (growth, derivative) = self.At(t), self.Growth(z, node)
+            residual = problem.Residual(z)
+            if (np.abs(residual) <= tolerance * np.maximum(first, problem.Scale(z))).all() and abs(growth - step) <= 1e-9 * step:
+                return PathPoint(z, t), iteration
+            matrix = np.block([[problem.Matrix(z), self.q_1[:, None]], [derivative, np.zeros(1)]])
             rows = 1 / np.abs(matrix).max(axis=1)  # lengths below, weighted jumps above
             try:
-                change = np.linalg.solve(rows[:, None] * matrix, -rows * np.append(problem.m * residual, growth - step))
+                change = np.linalg.solve(rows[:, None] * matrix, -rows * np.append(problem.units * residual, growth - step))
             except np.linalg.LinAlgError:
                 raise Stuck("its matrix is singular") from None
-            y, t = y + change[:-1].reshape(y.shape), t + float(change[-1])
-        worst = np.abs(self.At(t).Residual(y)).reshape(2, -1).max(axis=0)
+            z, t = z + change[:-1], t + float(change[-1])
+        worst = np.abs(problem.Trial(self.At(t).Residual(z))).max(axis=0)
         raise Stuck(f"{max_iterations} steps were not enough", np.argsort(-worst)[:3].tolist())
 
     def Led(self, start: PathPoint, step: float, max_iterations: int) -> tuple[PathPoint, int]:
@@ -112,9 +112,9 @@ class FacePath:
 
     def _near(self, point: PathPoint, iterations: int, step: float) -> tuple[PathPoint, int]:
         """The same; raises Stuck for a point far away, where all faces go back by much more than the step: another path, of a load of the other sign as a rule."""
-        growth, _ = self.Growths(point.y)
+        growth, _ = self.Growths(point.z)
         if growth.max() > step * (1 + 1e-6) or growth.min() < -FAR * step:
-            nodes = np.argsort(-self.problem.relation.Progress(self.last.y, self.problem.c, self.problem.before)[0])
+            nodes = np.argsort(-self.problem.relation.Progress(self.problem.Trial(self.last.z), self.problem.c, self.problem.before)[0])
             raise Stuck("the point that it found is on another path", nodes[:3].tolist())
         return point, iterations
 

@@ -76,8 +76,9 @@ def check_rigid_motions(problem: ContactProblem) -> None:
         name = "the part of the body around ({:g}, {:g}), ".format(*free.centre) + "which hangs on others by {} {} alone,".format(
             "the vertex" if len(free.hinges) == 1 else "the vertices", ", ".join("({:g}, {:g})".format(*point) for point in free.hinges)
         )
+    faces = ", or let the faces hold them by a law at nodes such as MohrCoulomb(mu_f) or Joint(k_n, k_t)" if free.parts > 1 else ""
     raise SingularSystem(
-        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a"
+        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a{faces}"
     )
 
 

@@ -100,6 +100,10 @@ class Faces:
         (k n,), the diagonal of Q.
     history
         Their FaceHistory; None: nothing has happened.
+    motions
+        (k n, r): the w of rigid motions that only the faces hold; w = Q p + q + motions α then.
+    pull
+        (r,): the work of the load on them, which motionsᵀ p balances.
 
     Notes
     -----
@@ -110,6 +114,8 @@ class Faces:
     cone: Cone
     compliance: np.ndarray
     history: FaceHistory | None = None
+    motions: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    pull: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def traction_weights(self) -> np.ndarray:

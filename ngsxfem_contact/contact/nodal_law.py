@@ -42,30 +42,31 @@ class NodalLaw(ABC):
         """The FaceProblem of w = Q p + q."""
         a = np.tile(faces.traction_weights, 2)
         relation = self.At(faces.nodes)
-        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, relation.Stiffness(faces.stiffness), before(faces))
+        c, B = relation.Stiffness(faces.stiffness), a[:, None] * faces.motions.reshape(len(q), -1)
+        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, c, before(faces), B, faces.pull)
 
-    def Start(self, problem: FaceProblem, faces: Faces, start: np.ndarray | FaceHistory | None) -> np.ndarray:
-        """The trial tractions to begin with: those that are given or of the last step; else those of faces that do not move, whatever touched in another solution.
+    def Start(self, problem: FaceProblem, known: FaceHistory | None) -> np.ndarray:
+        """The z of the problem to begin with: that of tractions and jumps that are known; else that of faces that do not move, whatever touched in another solution.
 
         Faces that soften may have several solutions; from there Newton's method finds the one in which they still hold.
         """
-        known = start if isinstance(start, FaceHistory) else faces.history
-        return problem.Tied() if known is None else known.traction + problem.c * known.jump
+        return problem.Tied() if known is None else problem.With(known.traction, known.jump)
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | FaceHistory | None, report: Report, max_iterations: int) -> np.ndarray:
-        """p = (p_n, p_t); raises NotConverged."""
+        """p = (p_n, p_t), and α; raises NotConverged."""
         problem = self.Problem(Q, q, faces)
-        result = solve_faces(problem, self.Start(problem, faces, start), max_iterations)
+        known = start if isinstance(start, FaceHistory) else faces.history
+        result = solve_faces(problem, self.Start(problem, known), max_iterations)
         report.iterations, report.method = result.iterations, result.method
-        return self.Tractions(problem, result.y, faces, report)
+        self._book(problem, problem.Trial(result.z), report)
+        return np.append(np.tile(faces.traction_weights, 2) * problem.Traction(result.z).ravel(), result.z[len(q) :])
 
-    def Tractions(self, problem: FaceProblem, y: np.ndarray, faces: Faces, report: Report) -> np.ndarray:
-        """p of a solution y of a FaceProblem; books the states of its nodes."""
+    def _book(self, problem: FaceProblem, y: np.ndarray, report: Report) -> None:
+        """The states of the nodes."""
         relation = problem.relation
         report.active = [y[0] < 0]
         counts = np.bincount(relation.States(y, problem.c, problem.before), minlength=len(relation.states))
         report.states = dict(zip(relation.states, (counts / max(counts.sum(), 1)).tolist()))
-        return np.tile(faces.traction_weights, 2) * problem.Traction(y).ravel()
 
     def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
         """Those of the Relation."""

@@ -2,10 +2,13 @@
 
 import logging
 
+import numpy as np
+
+from ..algebra.face_newton import FaceProblem
 from ..algebra.face_path import FacePath, PathPoint
 from ..arguments import check_positive, check_type
 from .faces import FaceHistory
-from .load_case import LoadCase
+from .load_case import LoadCase, ReducedCase
 from .nodal_law import NodalLaw
 from .options import StepOptions
 from .problem import ContactProblem
@@ -83,14 +86,18 @@ class PathSteps:
         path = self._path(begin.state)
         point, iterations = path.Step(step, max_iterations)
         logger.info("step of the faces by %g, load factor %g", step, point.t)
-        found = FaceHistory(path.problem.Traction(point.y), path.problem.Jump(point.y))
+        found = FaceHistory(path.problem.Traction(point.z), path.problem.Jump(point.z))
         self.last = self.reduced.Step(StepOptions(None, found, max_iterations, begin), self.fixed + point.t * self.case)
         self.last.report.iterations += iterations
         self.t, self._earlier = point.t, path.last
         return self.last
 
     def _path(self, state: State) -> FacePath:
-        faces = self.reduced.Faces(state.cone, state.history)
-        at = lambda case: self.law.Problem(self.reduced.Signs(state.cone)[1], self.reduced.RightSide(case, state.cone), faces)
-        problem, loaded = at(self.fixed), at(self.fixed + self.case)
-        return FacePath(problem, loaded.q - problem.q, PathPoint(self.law.Start(problem, faces, None), self.t), self._earlier)
+        problem, loaded = self._problem(state, self.fixed), self._problem(state, self.fixed + self.case)
+        q_1 = np.append(loaded.q - problem.q, loaded.pull - problem.pull)
+        now = self.law.Start(self._problem(state, self.fixed + self.t * self.case), state.history)
+        return FacePath(problem, q_1, PathPoint(now, self.t), self._earlier)
+
+    def _problem(self, state: State, case: ReducedCase) -> FaceProblem:
+        whole, cone = self.reduced.Whole(case), state.cone
+        return self.law.Problem(self.reduced.Signs(cone)[1], self.reduced.RightSide(whole, cone), self.reduced.Faces(cone, state.history, whole))

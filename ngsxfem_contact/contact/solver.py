@@ -14,9 +14,10 @@ from ..loads.reactions import SupportResidual
 from ..protocols import Cone, Nodes
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
-from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions, warn_of_brittle_faces
+from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, warn_of_brittle_faces
 from .contact_system import ContactSystem
 from .faces import FaceHistory, Faces, Scales
+from .free_motions import FreeMotions
 from .friction import transformation
 from .load_case import LoadCase, ReducedCase
 from .nodal_law import gives_way
@@ -34,13 +35,14 @@ CONVERGED = 1e-8  # residual and complementarity of an answer, relative
 
 @dataclass
 class NodalSolution:
-    """What was found on the crack's own unknowns: L = T p, with G the right-hand side of the second row of (38), for a case and faces."""
+    """What was found on the crack's own unknowns: L = T p, with G the right-hand side of the second row of (38), and rigid motions, for a case and faces."""
 
     case: ReducedCase
     faces: Faces
     T: np.ndarray
     p: np.ndarray
     G: np.ndarray
+    alpha: np.ndarray
 
     @property
     def L(self) -> np.ndarray:
@@ -67,7 +69,7 @@ class ReducedProblem:
         self.transformed: dict[Cone, tuple[np.ndarray, np.ndarray]] = {}
         size = f"{problem.V.ndof} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
-            check_rigid_motions(problem)
+            self.motions = FreeMotions(problem)
             problem.supports.Check()
             self.supports = problem.supports.Holders(), problem.supports.CornerEdges()
         with stage(self.timings, "assemble", f"assembling, {size}"):
@@ -75,7 +77,7 @@ class ReducedProblem:
             check_gap(system)
             warn_of_brittle_faces(problem, system.nodes)
         with stage(self.timings, "factor", f"eliminating {size}"):
-            free = without_negligible(system.stiffness, problem.V, problem.free)
+            free = without_negligible(system.stiffness, problem.V, self.motions.Without(problem.free))
             self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse)
             if check:
                 check_coercive(problem, self.elimination)
@@ -104,10 +106,11 @@ class ReducedProblem:
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
         return ReducedCase(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, load, jumps)
 
-    def Displacement(self, L: np.ndarray, case: ReducedCase | None = None) -> np.ndarray:
-        """U for a multiplier L: one back-substitution."""
+    def Displacement(self, L: np.ndarray, case: ReducedCase | None = None, alpha: np.ndarray | None = None) -> np.ndarray:
+        """U for a multiplier L and rigid motions: one back-substitution."""
         case = case or self.case
-        return self.elimination.Recover(case.reduced, self.system.Distribute(L)) + case.given
+        U = self.elimination.Recover(case.reduced, self.system.Distribute(L)) + case.given
+        return U if alpha is None else U + self.motions.R @ alpha
 
     def Solve(self, options: StepOptions = StepOptions(), case: ReducedCase | None = None) -> ContactSolution:
         """The ContactSolution, its equations checked; as Step."""
@@ -125,7 +128,7 @@ class ReducedProblem:
         """
         problem, case, cone = self.problem, case or self.case, options.Cone(self.problem.cone)
         self.system.CheckCone(cone)
-        case = self._with_initial(case)
+        case = self.Whole(case)
         if not gives_way(problem.law, self.system.nodes):
             problem.supports.CheckOverlap(case.jumps, problem.gap, np.abs(case.given).max())
         report = Report(
@@ -139,20 +142,22 @@ class ReducedProblem:
 
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
         T, Q = self.Signs(cone)
-        faces, G = self.Faces(cone, self._history(options.previous, cone)), self._gaps(case)
-        p = self.problem.law.Solve(Q, T.T @ (case.g - G), faces, self._first_set(options), report, options.max_iterations)
-        return NodalSolution(case, faces, T, p, G)
+        faces, G = self.Faces(cone, self._history(options.previous, cone), case), self._gaps(case)
+        found = self.problem.law.Solve(Q, T.T @ (case.g - G), faces, self._first_set(options), report, options.max_iterations)
+        p, alpha = np.split(found, [len(Q)])
+        return NodalSolution(case, faces, T, p, G, alpha)
 
-    def Faces(self, cone: Cone, history: FaceHistory | None) -> Faces:
+    def Faces(self, cone: Cone, history: FaceHistory | None, case: ReducedCase) -> Faces:
         """What the law is asked about."""
-        return Faces(self.system.nodes, cone, np.diag(self.Signs(cone)[1]), history)
+        T, Q = self.Signs(cone)
+        return Faces(self.system.nodes, cone, np.diag(Q), history, T.T @ (self.system.E @ self.motions.R), self.motions.R.T @ case.forces)
 
     def RightSide(self, case: ReducedCase, cone: Cone) -> np.ndarray:
-        """q of w = Q p + q for a load beside initial stress and temperature."""
-        case = self._with_initial(case)
+        """q of w = Q p + q."""
         return self.Signs(cone)[0].T @ (case.g - self._gaps(case))
 
-    def _with_initial(self, case: ReducedCase) -> ReducedCase:
+    def Whole(self, case: ReducedCase) -> ReducedCase:
+        """A load with initial stress and temperature, which nothing scales."""
         return case if self.initial is None else self.initial + case
 
     def _gaps(self, case: ReducedCase) -> np.ndarray:
@@ -161,7 +166,7 @@ class ReducedProblem:
 
     def _state(self, found: NodalSolution) -> State:
         law, faces, p = self.problem.law, found.faces, found.p
-        residual = found.case.g + self.S @ found.L - found.G
+        residual = found.case.g + self.S @ found.L - found.G + self.system.E @ (self.motions.R @ found.alpha)
         w = found.T.T @ residual
         return State(faces.nodes, faces.cone, found.L, residual, faces.After(p, w, law.Variables(p, w, faces)), law.Work(p, w, faces))
 
@@ -201,7 +206,7 @@ class ReducedProblem:
 
     def _recover(self, found: NodalSolution, report: Report) -> tuple[GridFunction, SupportResidual]:
         with stage(report.timings, "recover", "recovering and checking the displacement"):
-            u, U = GridFunction(self.problem.V, "u"), self.Displacement(found.L, found.case)
+            u, U = GridFunction(self.problem.V, "u"), self.Displacement(found.L, found.case, found.alpha)
             self._measure(found, U, report)
             check_converged(report)
             u.vec.FV().NumPy()[:] = U
@@ -210,9 +215,18 @@ class ReducedProblem:
 
     def _measure(self, found: NodalSolution, U: np.ndarray, report: Report) -> None:
         """The residual of (38) and the complementarity of a solution, into the report."""
-        report.residual = self.elimination.RelativeResidual((found.case.forces, self.system.Forces(found.L)), U)
+        forces = found.case.forces, self.system.Forces(found.L)
+        report.residual = max(self.elimination.RelativeResidual(forces, U), self._imbalance(*forces))
         report.complementarity = complementarity(self.system, self.problem, U, found)
         report.converged = max(report.residual, report.complementarity) < CONVERGED
+
+    def _imbalance(self, *forces: np.ndarray) -> float:
+        """Of the parts that only the faces hold, relative to the forces on them."""
+        R = self.motions.R
+        if not R.shape[1]:
+            return 0.0
+        size = np.abs(R).T @ sum(np.abs(force) for force in forces)
+        return float(np.abs(R.T @ sum(forces)).max() / max(size.max(), TINY))
 
 
 def check_converged(report: Report) -> None:
