@@ -35,7 +35,7 @@ class FreeMotions:
     Raises
     ------
     SingularSystem
-        For motions that its law cannot hold: that of `ContactProblem` without a NodalLaw.
+        For motions that no face feels, and, with a law that does not hold node by node, for all.
     """
 
     def __init__(self, problem: ContactProblem) -> None:
@@ -48,7 +48,10 @@ class FreeMotions:
         values = rows @ null_space(motions.Constraints(fixed, problem.a))
         self.R = np.zeros((problem.V.ndof, values.shape[1]))
         self.R[unknowns] = np.where(fixed[unknowns, None], 0, values)
-        self.pins = self._chosen(Unknowns(problem.V).polynomial.stop)
+        layout = Unknowns(problem.V)
+        if np.linalg.matrix_rank(self.R[layout.heaviside], tol=HELD) < self.R.shape[1]:  # the jumps are not independent
+            check_rigid_motions(problem)
+        self.pins = self._chosen(layout.polynomial.stop)
 
     def _chosen(self, polynomials: int) -> np.ndarray:
         """Of the rows of R the most independent ones; those of polynomials, if they are enough."""

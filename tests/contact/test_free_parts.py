@@ -92,6 +92,14 @@ def test_a_stack_that_nothing_holds_sideways(law):
         problem.Solve()
 
 
+def test_a_body_that_nothing_holds():
+    """Glue holds two blocks together, and nothing holds both."""
+    body = CrackedMesh(MESH, CRACK)
+    V = CrackFESpace(body, order=1)
+    with pytest.raises(SingularSystem, match="3 rigid motion.* are left free"):
+        ContactProblem(V, TraceSpace(body), Elasticity.PlaneStrain(E=E, nu=0), law=Joint(1, 1)).Solve()
+
+
 def test_laws_that_hold_nothing():
     """Contact without friction, and the nodal states of Coulomb's law: as before."""
     for law in (None, Coulomb(0.5)):
