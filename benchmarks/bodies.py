@@ -1,4 +1,4 @@
-"""Random meshes and cracks for benchmarks/positions.py; each is determined by its random generator."""
+"""Random meshes and cracks for benchmarks/positions.py, each determined by its random generator; a graded strip for benchmarks/laws.py."""
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
@@ -115,3 +115,18 @@ def moved_square(angle, offset, maxh):
     for p in ngmesh.Points():
         p[0], p[1] = c * p[0] - s * p[1] + offset[0], s * p[0] + c * p[1] + offset[1]
     return Mesh(ngmesh)
+
+
+def graded(inner, h, outer):
+    """Numbers from 0 to `outer` or beyond, at distances h up to `inner`, which then grow by 1.3."""
+    way = np.cumsum(h * 1.3 ** np.arange(1, 60))
+    return np.append(np.arange(0, inner + h / 2, h), inner + way[: np.searchsorted(way, outer - inner) + 1])
+
+
+def strip_mesh(h, end, width=40.0):
+    """The right half of a wide plate, fine around 0 < x < end, with a row of elements along the x axis; (mesh, its lower right corner)."""
+    xs, half = graded(end + 0.2, h, width), graded(0, h, width)[1:] - 0.8 * h
+    ys = np.concatenate([-half[::-1], half])
+    nx, ny = len(xs) - 1, len(ys) - 1
+    place = lambda u, v: (float(np.interp(u * nx, np.arange(nx + 1), xs)), float(np.interp(v * ny, np.arange(ny + 1), ys)))
+    return MakeStructured2DMesh(quads=False, nx=nx, ny=ny, mapping=place), (xs[-1], ys[0])

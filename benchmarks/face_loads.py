@@ -38,15 +38,15 @@ def closed_joint(mesh, pair, method):
     return max(np.abs(profile.sigma_n + 0.4).max(), np.abs(profile.gap).max())
 
 
-def clamped_box(mesh, pair, method, friction=None):
+def clamped_box(mesh, pair, method, law=None):
     """u = 0 and λ = n·σ⁰n under an initial stress."""
-    shear = 0.1 if friction else 0
-    given, xx = CF((-2 if friction else -1, shear, shear, -1), dims=(2, 2)), -2 if friction else -1
-    p = problem(mesh, JOINT, pair, Elasticity.PlaneStrain(E=1, nu=0.3), stabilisation=method, initial_stress=given, friction=friction)
+    shear = 0.1 if law else 0
+    given, xx = CF((-2 if law else -1, shear, shear, -1), dims=(2, 2)), -2 if law else -1
+    p = problem(mesh, JOINT, pair, Elasticity.PlaneStrain(E=1, nu=0.3), stabilisation=method, initial_stress=given, law=law)
     profile, (tx, ty) = p.Solve().Profile(n=101), JOINT.TangentAt(0)
     normal = np.array([-ty, tx])
     stress = np.array([[xx, shear], [shear, -1]]) @ normal
-    errors = [profile.sigma_n - normal @ stress, profile.gap, *([profile.sigma_t - np.array([tx, ty]) @ stress] if friction else [])]
+    errors = [profile.sigma_n - normal @ stress, profile.gap, *([profile.sigma_t - np.array([tx, ty]) @ stress] if law else [])]
     return max(np.abs(error).max() for error in errors)
 
 

@@ -43,10 +43,10 @@ def rectangle(lower, upper, maxh):
     return Mesh(geometry.GenerateMesh(maxh=maxh))
 
 
-def problem_on(mesh, cracks, pair="P2/P1", friction=None, **options):
+def problem_on(mesh, cracks, pair="P2/P1", law=None, **options):
     body, orders = CrackedMesh(mesh, *cracks), PAIRS[pair]
     V = CrackFESpace(body, order=orders.order, tip=TipEnrichment(material=MATERIAL), **options)
-    return ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, friction=friction)
+    return ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, law=law)
 
 
 def show(name, solution, K, tip=0, scale=None):
@@ -115,13 +115,13 @@ def friction():
     """Closed form (e), and the boundary-fitted solutions with friction; where K = 0 errors are relative to that without friction."""
     angle, offset = cf.position(0)
     exact = cf.sliding_tip(MATERIAL, 0.3)
-    problem = problem_on(cf.rotated_square(angle, offset, 0.025), [cf.crack_on_axis(cf.mouths(angle, offset)[0], 0)], friction=Coulomb(0.3), dirichlet="outer")
+    problem = problem_on(cf.rotated_square(angle, offset, 0.025), [cf.crack_on_axis(cf.mouths(angle, offset)[0], 0)], law=Coulomb(0.3), dirichlet="outer")
     problem.SetDirichlet(exact.u, "outer")
     show("(e), μ_f = 0.3, a/h = 20", problem.Solve(), (0, 1))
     laws = {"C, Coulomb 0.3": Coulomb(0.3), "C, Tresca 0.05": Tresca(0.05), "A/4, Coulomb 0.3": Coulomb(0.3)}
     for name, law in laws.items():
         scale = {"C": 0.0790112, "A": 0.0114}[name[0]] if not FRICTION_REFERENCE[name]["K_II"] else None
-        solution = paper_problem(unstructured_mesh(0.016), name.split(",")[0], friction=law).Solve()
+        solution = paper_problem(unstructured_mesh(0.016), name.split(",")[0], law=law).Solve()
         show(name, solution, (0, FRICTION_REFERENCE[name]["K_II"]), scale=scale)
 
 

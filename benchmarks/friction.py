@@ -23,7 +23,7 @@ def problem_with(exact_u, i, maxh, pair, friction, tip):
     body = CrackedMesh(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(cf.mouths(angle, offset)[0], 0))
     orders = PAIRS[pair]
     V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip, dirichlet="outer")
-    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, friction=friction)
+    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, law=friction)
     problem.SetDirichlet(exact_u, "outer")
     return problem
 
@@ -52,15 +52,15 @@ def case_smooth_stick(i, maxh, pair):
 
 def reference_case(name, maxh=0.03, pair="P2/P1", **options):
     """A case of paper.FRICTION_REFERENCE solved: (solution, its reference)."""
-    load, law = name.split(", ")
-    friction = options.pop("friction", LAWS[law])
-    return paper_problem(unstructured_mesh(maxh / 2), load, pair, friction=friction, **options).Solve(), FRICTION_REFERENCE[name]
+    load, kind = name.split(", ")
+    law = options.pop("law", LAWS[kind])
+    return paper_problem(unstructured_mesh(maxh / 2), load, pair, law=law, **options).Solve(), FRICTION_REFERENCE[name]
 
 
 def print_reference(name, **options):
     solution, exact = reference_case(name, **options)
     counts = solution.report
-    work = (solution.FrictionWork() - exact["friction_work"]) / exact["energy"]
+    work = (solution.DissipatedEnergy() - exact["friction_work"]) / exact["energy"]
     print(
         f"{name:17} energy {solution.Energy() / exact['energy'] - 1:+.1e}  work {work:+.1e}  "
         f"contact from {solution.Transitions()} ({exact['transition']:.4f})  slip to {solution.SlipTransitions()} ({exact['slip_transition']})  "
@@ -77,7 +77,7 @@ def main():
         if "reference" in arguments.cases:
             for name in FRICTION_REFERENCE:
                 print_reference(name)
-            print_reference("C, Coulomb 0.3", friction=Coulomb(0.3, FixedPoint()))
+            print_reference("C, Coulomb 0.3", law=Coulomb(0.3, FixedPoint()))
             for theta in (1, 0, -1):
                 for name in list(FRICTION_REFERENCE)[:2]:
                     print(f"Nitsche {theta:2}", end=" ")

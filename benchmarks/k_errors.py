@@ -24,11 +24,11 @@ TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(funct
 EDGE_CRACK = (8.05643, -0.02659)  # of `edge_crack`, by P4 and by P2 on fine meshes
 
 
-def solved(mesh, crack, exact, pair, tip, friction=None):
+def solved(mesh, crack, exact, pair, tip, law=None):
     """With the exact displacement on the boundary."""
     body, orders = CrackedMesh(mesh, crack), PAIRS[pair]
     V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip, dirichlet="outer")
-    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, friction=friction)
+    problem = ContactProblem(V, TraceSpace(body, order=orders.multiplier_order), MATERIAL, law=law)
     problem.SetDirichlet(exact, "outer")
     return problem.Solve()
 
@@ -57,7 +57,7 @@ def fitted(maxh, pair, tip):
     mesh = unstructured_mesh(maxh / 2)
     for load in "ABC":
         yield f"load {load}", paper_problem(mesh, load, pair, tip=tip).Solve(), 0, (REFERENCE[load]["K_I"], REFERENCE[load]["K_II"])
-    yield "load C, friction", paper_problem(mesh, "C", pair, tip=tip, friction=Coulomb(0.3)).Solve(), 0, (0, FRICTION_REFERENCE["C, Coulomb 0.3"]["K_II"])
+    yield "load C, friction", paper_problem(mesh, "C", pair, tip=tip, law=Coulomb(0.3)).Solve(), 0, (0, FRICTION_REFERENCE["C, Coulomb 0.3"]["K_II"])
     yield "edge crack", edge_crack(maxh, pair, tip), 0, EDGE_CRACK
 
 

@@ -4,7 +4,7 @@ An object has a role if it has the members; it need not inherit from anything he
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from ngsolve import CoefficientFunction
 
     from ._ngsxfem_contact import CrackedMesh, CrackFESpace, Tip, TipSpec
+    from .algebra.face_relations import Relation
     from .contact.contact_system import ContactSystem
+    from .contact.faces import Faces, FaceWork, Scales
     from .contact.problem import ContactProblem
     from .contact.report import Report
     from .contact.solution import ContactSolution
@@ -21,12 +23,12 @@ if TYPE_CHECKING:
     from .operators import Component
 
 
-class Nodes(Protocol):
-    """What cones, laws of friction and active sets ask: of n nodes, one for each multiplier of a component. No arc lengths."""
+class Points(Protocol):
+    """What coefficients of laws ask: of n points of the cracks."""
 
     @property
     def cracks(self) -> np.ndarray:
-        """(n,) int: of each node the number of its crack."""
+        """(n,) int: of each the number of its crack."""
 
     @property
     def positions(self) -> np.ndarray:
@@ -34,7 +36,22 @@ class Nodes(Protocol):
 
     @property
     def weights(self) -> np.ndarray:
-        """(n,): ∫ψ_i, how much of the cracks belongs to each node."""
+        """(n,): ∫ψ_i, how much of the cracks belongs to each of them."""
+
+    def __len__(self) -> int: ...
+
+    def Values(self, function: "CoefficientFunction") -> np.ndarray:
+        """(n,): a scalar function there."""
+
+    def Means(self, function: "CoefficientFunction") -> np.ndarray:
+        """(n,): its means with the functions ψ_i, where there are such."""
+
+    def Place(self, i: int) -> str:
+        """Where the i-th one is, in words."""
+
+
+class Nodes(Points, Protocol):
+    """What cones, laws of the faces and active sets ask: of n nodes, one for each multiplier of a component. No arc lengths."""
 
     @property
     def neighbours(self) -> np.ndarray:
@@ -47,14 +64,6 @@ class Nodes(Protocol):
     @property
     def mass(self) -> np.ndarray:
         """(n, n): ∫ψ_i ψ_j."""
-
-    def __len__(self) -> int: ...
-
-    def Values(self, function: "CoefficientFunction") -> np.ndarray:
-        """(n,): a scalar function at the nodes."""
-
-    def Place(self, i: int) -> str:
-        """Where the i-th node is, in words."""
 
 
 class Cone(Protocol):
@@ -109,7 +118,8 @@ class CompleteStabilisation(Stabilisation, Protocol):
 class FaceLaw(Protocol):
     """The law of the faces: which components of the traction there are, and how p is found from w = Q p + q.
 
-    p are the nodal values whose signs are checked, of all components one after the other; w minus the weighted gaps and slips.
+    p are the nodal values whose signs are checked, of all components one after the other; w minus the weighted gaps and slips, counted from the body
+    without slip. `contact.faces.Faces` turns both into tractions and jumps.
     """
 
     @property
@@ -118,32 +128,38 @@ class FaceLaw(Protocol):
 
     @property
     def depends_on_path(self) -> bool:
-        """Whether load steps hand the last solution on, from which slip is measured."""
+        """Whether load steps hand on what the faces have gone through."""
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: "Report", start: Any, max_iterations: int) -> np.ndarray:
-        """p.
+    def Solve(self, Q: np.ndarray, q: np.ndarray, faces: "Faces", start: np.ndarray | None, report: "Report", max_iterations: int) -> np.ndarray:
+        """p, and after it the α of rigid motions that only the faces hold, where there are such; see `contact.faces.Faces`.
 
         Parameters
         ----------
+        faces
+            The nodes, and what the faces have gone through.
         start
-            Nodes in contact at first, boolean.
+            Nodes in contact at first, boolean; None: as the law likes.
 
         Notes
         -----
         The iterations, and the active set of each, go into the report.
         """
 
-    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
-        """(what is dissipated in a step, how far it may be off).
+    def Variables(self, p: np.ndarray, w: np.ndarray, faces: "Faces") -> dict[str, np.ndarray]:
+        """What the law has to remember of its way to p and w beside tractions and jumps: values at the nodes, by name."""
 
-        Parameters
-        ----------
-        before
-            p of the last step, or None.
-        """
+    def Work(self, p: np.ndarray, w: np.ndarray, faces: "Faces") -> "FaceWork":
+        """What the step dissipates, and what the faces store."""
 
-    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Nodes, cone: Cone) -> float:
-        """The largest violation of the law, relative; p is divided by `scale`, its largest value, w by the largest displacement."""
+    def Violation(self, p: np.ndarray, w: np.ndarray, faces: "Faces", scales: "Scales") -> float:
+        """The largest violation of the law, relative to the scales."""
+
+
+class LawAtNodes(FaceLaw, Protocol):
+    """A FaceLaw that holds node by node, and may be one of several in a body."""
+
+    def At(self, nodes: Points) -> "Relation":
+        """The Relation between traction and jump at nodes, all or those of a crack. Raises ValueError for coefficients that make no sense at one of them."""
 
 
 class TipFunctions(Protocol):

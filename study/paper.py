@@ -81,15 +81,13 @@ def varied_mesh(h, realisation):
     return unstructured_mesh(h * (1 + 0.02 * ((realisation + 1) // 2) * (-1) ** realisation))
 
 
-def paper_problem(
-    mesh, load="B", pair="P2/P1", stabilisation=BarbosaHughes(), cone="nonpositive", tip=TipEnrichment(material=MATERIAL), friction=None, length=0.5
-):
+def paper_problem(mesh, load="B", pair="P2/P1", stabilisation=BarbosaHughes(), cone="nonpositive", tip=TipEnrichment(material=MATERIAL), law=None, length=0.5):
     """The ContactProblem on a mesh of the body; load: a key of TRACTION; pair: a key of PAIRS; length of the crack."""
     body = CrackedMesh(mesh, Crack([(0, 0), (length, 0)]))
     orders = PAIRS[pair]
     V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip)
     W = TraceSpace(body, order=orders.multiplier_order)
-    problem = ContactProblem(V, W, MATERIAL, stabilisation=stabilisation, cone=cone, friction=friction)
+    problem = ContactProblem(V, W, MATERIAL, stabilisation=stabilisation, cone=cone, law=law)
     add_loads(problem, load)
     return problem
 

@@ -89,7 +89,7 @@ class Reference:
         """The reference as a ContactSolution."""
         problem = ContactProblem(self.u.space, self.multiplier.space, MATERIAL)
         report = Report((self.u.space.ndof, self.multiplier.space.ndof), converged=True, active=[self.active])
-        state = State(self.nodes, self.nodal_values, np.zeros(0), np.zeros(0))
+        state = State(self.nodes, problem.cone, self.nodal_values, np.zeros(0))
         return ContactSolution(problem, self.u, [self.multiplier], report, None, state)
 
     def Pressure(self, s):

@@ -34,7 +34,7 @@ mesh = Mesh(geometry.GenerateMesh(maxh=0.06))
 def paper_problem(friction):
     body = CrackedMesh(mesh, Crack([(0, 0), (0.5, 0)]))
     V = CrackFESpace(body, order=2, material=Elasticity(lam=1, mu=1))
-    problem, v = ContactProblem(V, TraceSpace(body, order=1), friction=friction), V.TestFunction()
+    problem, v = ContactProblem(V, TraceSpace(body, order=1), law=friction), V.TestFunction()
     force, traction = CF((0, 3.5 * x * (1 - x) * y * cos(2 * np.pi * x))), 0.4 * sin(2 * np.pi * y) * specialcf.normal(2)
     problem.f += force * v * body.dx(bonus_intorder=6) + traction * v * body.ds("left|right", bonus_intorder=6)
     problem.Pin((1, -0.5), "xy")
@@ -64,7 +64,7 @@ plt.show()
 
 # %%
 for name, solution in list(solutions.items())[1:]:
-    print(f"{name}: {solution.report.Counts()}, slip ends at s = {solution.SlipTransitions()}, work of friction {solution.FrictionWork():.3e}")
+    print(f"{name}: {solution.report.Counts()}, slip ends at s = {solution.SlipTransitions()}, work of friction {solution.DissipatedEnergy():.3e}")
 print(solutions["Coulomb, $\\mu_f$ = 0.3"].report)
 
 # %% [markdown]
@@ -102,7 +102,7 @@ geometry.AddRectangle((0, -0.5), (1, 0.5), bcs=["bottom", "right", "top", "left"
 body = CrackedMesh(Mesh(geometry.GenerateMesh(maxh=0.04)), Crack([(0, 0.01), (0.7, 0.01)]))
 material, mu_f = Elasticity(lam=1, mu=1), 0.4
 V = CrackFESpace(body, order=2, tip=TipEnrichment(material=material))
-problem = ContactProblem(V, TraceSpace(body, order=1), material, friction=Coulomb(mu_f))
+problem = ContactProblem(V, TraceSpace(body, order=1), material, law=Coulomb(mu_f))
 problem.Pin((1, -0.5), "xy")
 problem.Pin((1, 0.5), "x")
 v, n = V.TestFunction(), specialcf.normal(2)
@@ -138,11 +138,11 @@ bottom.set(xlabel="load step", ylabel="shear $\\sigma_{xy}$")
 plt.show()
 
 # %% [markdown]
-# The loop that it makes, and the work that friction dissipates. `FrictionWork()` is $\int \lambda_t\, \Delta g_t \ge 0$ of one step.
+# The loop that it makes, and the work that friction dissipates. `DissipatedEnergy()` is $\int \lambda_t\, \Delta g_t \ge 0$ of one step.
 
 # %%
 slip = [Integrate(Slip(solution.u, body) * body.dcrack, body.mesh) for solution in history]
-work = [solution.FrictionWork() for solution in history]
+work = [solution.DissipatedEnergy() for solution in history]
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
 left.plot(slip, 0.03 * cycle, "k.-")
 left.set(xlabel="$\\int g_t$ over the crack", ylabel="shear $\\sigma_{xy}$")
@@ -164,7 +164,7 @@ rows, sizes = [], (0.12, 0.08, 0.05)
 for h in sizes:
     square = CrackedMesh(closed_forms.rotated_square(0.4, (0.03, -0.02), h), closed_forms.crack_on_axis(mouth, 0))
     space = CrackFESpace(square, order=2, tip=TipEnrichment(material=material), dirichlet="outer")
-    sliding = ContactProblem(space, TraceSpace(square, order=1), material, friction=Coulomb(mu_f))
+    sliding = ContactProblem(space, TraceSpace(square, order=1), material, law=Coulomb(mu_f))
     sliding.SetDirichlet(exact.u, "outer")
     solution = sliding.Solve()
     measures = (closed_forms.energy_error, closed_forms.pressure_error, closed_forms.shear_error, closed_forms.slip_error)

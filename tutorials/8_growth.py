@@ -19,11 +19,11 @@ material, a = Elasticity(lam=1, mu=1), 0.25
 mesh = closed_forms.rotated_square(0.4, (0.02, -0.03), 0.03)
 
 
-def plate(friction=None):
+def plate(law=None):
     """A problem with the crack |x| < a, y = 0 and displacements given on the whole boundary."""
     body = CrackedMesh(mesh, Crack([(-a, 0), (a, 0)]))
     V = CrackFESpace(body, order=2, tip=TipEnrichment(material=material), dirichlet="outer")
-    return ContactProblem(V, TraceSpace(body, order=1), material, friction=friction)
+    return ContactProblem(V, TraceSpace(body, order=1), material, law=law)
 
 
 # %% [markdown]

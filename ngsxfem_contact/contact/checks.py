@@ -7,23 +7,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import BilinearForm, Grad, InnerProduct, specialcf
+from ngsolve import CF, BilinearForm, Grad, InnerProduct, specialcf
 
 from ..algebra.elimination import Elimination, unit_scale
 from ..algebra.matrices import csr_view, mask, to_scipy
-from ..errors import NotCoercive, SingularSystem
+from ..errors import NotCoercive, SingularSystem, warn
 from ..operators import NormalGap
 from ..spaces.connectivity import RigidMotions
 from ..spaces.unknowns import Unknowns
 from .contact_system import stiffness_form
 from .mixed_system import LocalPressures
+from .nodal_law import NodalLaw
 from .stabilisation import trait
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from ngsolve import BaseMatrix, BitArray, CoefficientFunction
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackFESpace, TraceSpace
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
     from .contact_system import ContactSystem
     from .problem import ContactProblem
 
@@ -73,8 +76,9 @@ def check_rigid_motions(problem: ContactProblem) -> None:
         name = "the part of the body around ({:g}, {:g}), ".format(*free.centre) + "which hangs on others by {} {} alone,".format(
             "the vertex" if len(free.hinges) == 1 else "the vertices", ", ".join("({:g}, {:g})".format(*point) for point in free.hinges)
         )
+    faces = ", or let the faces hold them by a law at nodes such as MohrCoulomb(mu_f) or Joint(k_n, k_t)" if free.parts > 1 else ""
     raise SingularSystem(
-        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a"
+        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a{faces}"
     )
 
 
@@ -102,12 +106,39 @@ def check_coercive(problem: ContactProblem, elimination: Elimination) -> None:
     """Raises NotCoercive for a γ for which K - K_γ is not positive definite (against K)."""
     stabilisation = problem.stabilisation
     proved = elimination.positive and not trait(stabilisation, "needs_eigenvalue")
-    if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.friction.components)):
+    if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.law.components)):
         return
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
         remedy = trait(stabilisation, "Remedy")(smallest)
         raise NotCoercive(f"γ is too large: the smallest eigenvalue of K - K_γ against K is {smallest:.3g}; {remedy}")
+
+
+def warn_of_brittle_faces(problem: ContactProblem, nodes: Any) -> None:
+    """Warns of elements larger than E′ / (slope by which the faces soften) there: nodes break one by one, each with a snap-back of its own; nodes: the plane's."""
+    if not isinstance(problem.law, NodalLaw):
+        return
+    slopes = np.broadcast_to(problem.law.At(nodes).steepest, len(nodes))
+    if not slopes.any():
+        return
+    sizes, modulus = sizes_at(problem.body, nodes), nodes.Values(CF(problem.material.E_prime))
+    worst = int(np.argmax(sizes * slopes / modulus))
+    length = modulus[worst] / slopes[worst]
+    if sizes[worst] > length:
+        warn(
+            f"the faces soften within {length:.3g}, less than an element ({sizes[worst]:.3g}), at {nodes.Place(worst)}: nodes break one by one there, and the load "
+            f"that they carry is wrong; refine to h <= {length / 3:.2g} along the crack, or take a larger G_c or a smaller strength"
+        )
+
+
+def sizes_at(body: CrackedMesh, nodes: Any) -> np.ndarray:
+    """(n,): the h of the element at each node, of two the first."""
+    sizes = np.empty(len(nodes))
+    for crack in range(len(body.cracks)):
+        here = nodes.cracks == crack
+        ends, h = np.array(sorted((max(T.arclength), T.h) for T in body.Elements(crack))).T
+        sizes[here] = h[np.minimum(np.searchsorted(ends, nodes.arclengths[here]), len(h) - 1)]
+    return sizes
 
 
 def Coercivity(problem: ContactProblem) -> float:
@@ -130,7 +161,7 @@ def Coercivity(problem: ContactProblem) -> float:
     V = problem.V
     u, v = V.TnT()
     K = stiffness_form(problem).Assemble().mat
-    squared = problem.ComparedTraction().Squared(u, v, problem.friction.components)
+    squared = problem.ComparedTraction().Squared(u, v, problem.law.components)
     K_gamma = to_scipy(BilinearForm(gamma * squared * problem.body.dcrack).Assemble().mat)
     if problem.is_mixed:
         K_gamma -= LocalPressures(problem, gamma).Stiffness()

@@ -62,7 +62,7 @@ class ContactSystem:
     nodes: Nodes
 
     def __init__(self, problem: ContactProblem) -> None:
-        self.problem, self.components = problem, problem.friction.components
+        self.problem, self.components = problem, problem.law.components
         self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
         self.numbers = np.flatnonzero(mask(problem.body.CrackElements(None)))
         self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()

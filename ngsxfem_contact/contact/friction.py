@@ -8,21 +8,24 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 from ngsolve import CoefficientFunction
 
 from ..algebra import nodal_newton
-from ..algebra.active_set import solve_active_set
+from ..algebra.active_set import coarse_start, solve_active_set
+from ..algebra.face_relations import LinearClosure, SlidingRelation
 from ..algebra.nodal_newton import FullNewton, NodalMethod, Threshold, first_states, uniqueness_number, violation
 from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
+from .faces import FaceWork
 
 if TYPE_CHECKING:
     from ..material import Coefficient
-    from ..protocols import Cone, FaceLaw, Nodes
+    from ..protocols import Cone, FaceLaw, Nodes, Points
+    from .faces import Faces, Scales
     from .report import Report
 
 
@@ -33,19 +36,43 @@ class Frictionless:
     components = (NORMAL,)
     depends_on_path = False
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
+    def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report, max_iterations: int) -> np.ndarray:
         """p; books its iterations in the report."""
-        result = solve_active_set(Q, q, start, max_iterations)
+        result = solve_active_set(Q, q, first_contact(Q, q, faces, start, report), max_iterations)
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
         return result.p
 
-    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
-        """Nothing is dissipated."""
-        return 0.0, 0.0
+    def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
+        """None."""
+        return {}
 
-    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Nodes, cone: Cone) -> float:
-        """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, for p and w divided by their scales."""
+    def Work(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> FaceWork:
+        """Nothing is dissipated or stored."""
+        return FaceWork()
+
+    def Violation(self, p: np.ndarray, w: np.ndarray, faces: Faces, scales: Scales) -> float:
+        """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, relative."""
+        p, w = p / scales.traction, w / scales.moments
         return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
+
+    def At(self, nodes: Points) -> SlidingRelation:
+        """Beside other laws: nothing resists slip."""
+        return rigid(Threshold(np.zeros(len(nodes)), np.zeros(len(nodes))))
+
+
+def rigid(threshold: nodal_newton.Threshold) -> SlidingRelation:
+    """Faces that touch without giving way, and slide at a threshold."""
+    n = len(threshold.base)
+    return SlidingRelation(LinearClosure(np.full(n, INFINITY)), threshold, np.full(n, INFINITY), np.zeros(n))
+
+
+def first_contact(Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report) -> np.ndarray:
+    """The nodes in contact at first, boolean: those that are given, else from coarser sets of nodes, whose iterations go into the report."""
+    if start is not None:
+        return start
+    n = len(faces.nodes)
+    contact, report.coarse_iterations = coarse_start(Q[:n, :n], q[:n], faces.nodes.neighbours)
+    return contact
 
 
 class Friction(ABC):
@@ -56,12 +83,13 @@ class Friction(ABC):
     components = (NORMAL, TANGENTIAL)
     depends_on_path = True
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, nodes: Nodes, cone: Cone, report: Report, start: Any, max_iterations: int) -> np.ndarray:
+    def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report, max_iterations: int) -> np.ndarray:
         """p = (p_n, p_t); books its iterations in the report."""
-        threshold = self.Threshold(nodes, cone)
-        contact = np.array(start, dtype=bool)
+        threshold = self.Threshold(faces.nodes, faces.cone)
+        contact = np.array(first_contact(Q, q, faces, start, report), dtype=bool)
         if contact.shape != (len(q) // 2,):
             raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs; give one boolean for each, or a ContactSolution")
+        q = slip_since(q, faces)
         result = self.method.Solve(Q, q, threshold, 1 / np.diag(Q), first_states(Q, q, threshold, contact), max_iterations)
         report.iterations, report.fallback, report.method = result.iterations, result.fallback, result.method
         report.active = [states.contact for states in result.states]
@@ -70,27 +98,25 @@ class Friction(ABC):
         report.uniqueness = self.Uniqueness(Q, threshold)
         return result.p
 
-    def Work(self, p: np.ndarray, w: np.ndarray, nodes: Nodes, cone: Cone, before: np.ndarray | None) -> tuple[float, float]:
-        """(∫λ_t Δg_t of a step, how far it may be off).
+    def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
+        """Where the next slip begins, for other laws that may follow."""
+        return {"slip": faces.Jumps(w)[1]}
 
-        Parameters
-        ----------
-        w
-            Minus the weighted gaps and slips.
-        before
-            p of the last step, or None.
+    def Work(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> FaceWork:
+        """∫λ_t Δg_t of a step is dissipated.
 
         Notes
         -----
         What slips does so at |λ_t| = s. While s changes, the trapezoidal rule takes the mean of s before and after; without a step before
         the end-point rule takes s after. The error is the difference of the two, s = 0 before a first step where it depends on the pressure.
         """
-        (p_n, p_t), w_t, threshold = np.split(p, 2), np.split(w, 2)[1], self.Threshold(nodes, cone)
-        p_before = np.zeros_like(p_n) if before is None else np.split(before, 2)[0]
+        (p_n, p_t), w_t, threshold = np.split(p, 2), np.split(slip_since(w, faces), 2)[1], self.Threshold(faces.nodes, faces.cone)
+        before = faces.history
+        p_before = np.zeros_like(p_n) if before is None else before.traction[0] * faces.traction_weights
         s, s_before = threshold.At(p_n, p_n < 0), threshold.At(p_before, p_n < 0 if before is None else p_before < 0)
         end = -p_t * w_t
         change = 0.5 * end * (np.divide(s_before, s, out=np.ones_like(s), where=s > 0) - 1)
-        return float(end.sum() + (0 if before is None else change.sum())), float(np.abs(change).sum())
+        return FaceWork(float(end.sum() + (0 if before is None else change.sum())), float(np.abs(change).sum()))
 
     @abstractmethod
     def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
@@ -100,9 +126,18 @@ class Friction(ABC):
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
         """A number below 1 proves that there is one solution; None: not known."""
 
-    def Violation(self, p: np.ndarray, w: np.ndarray, scale: float, nodes: Nodes, cone: Cone) -> float:
-        """The largest violation of the nodal conditions, for p and w divided by their scales."""
-        return violation(p, w, self.Threshold(nodes, cone).Scaled(scale))
+    def Violation(self, p: np.ndarray, w: np.ndarray, faces: Faces, scales: Scales) -> float:
+        """The largest violation of the nodal conditions, relative."""
+        return violation(p / scales.traction, slip_since(w, faces) / scales.moments, self.Threshold(faces.nodes, faces.cone).Scaled(scales.traction))
+
+
+def slip_since(w: np.ndarray, faces: Faces) -> np.ndarray:
+    """w with the slip since the last load step in place of the whole slip; of q the same."""
+    if faces.history is None:
+        return w
+    w = w.copy()
+    w[len(faces.nodes) :] += faces.jump_weights * faces.history.jump[1]
+    return w
 
 
 @dataclass(frozen=True)
@@ -133,6 +168,10 @@ class Tresca(Friction):
     def Threshold(self, nodes: Nodes, cone: Cone) -> nodal_newton.Threshold:
         """s at the nodes, or ∫sψ_i for the weak cone."""
         return Threshold(cone.Values(nodes, checked_values(nodes, self.s, "Tresca: s")), np.zeros(len(nodes)), self.in_contact_only)
+
+    def At(self, nodes: Points) -> SlidingRelation:
+        """Beside other laws."""
+        return rigid(Threshold(checked_values(nodes, self.s, "Tresca: s"), np.zeros(len(nodes)), self.in_contact_only))
 
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float | None:
         """0 for a threshold on the whole crack, whose problem is convex; None (unknown) otherwise."""
@@ -172,6 +211,10 @@ class Coulomb(Friction):
         """s = μ_f |p_n| at the nodes."""
         return Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f"))
 
+    def At(self, nodes: Points) -> SlidingRelation:
+        """Beside other laws."""
+        return rigid(Threshold(np.zeros(len(nodes)), checked_values(nodes, self.mu_f, "Coulomb: mu_f")))
+
     def Uniqueness(self, Q: np.ndarray, threshold: nodal_newton.Threshold) -> float:
         """See nodal_newton.uniqueness_number."""
         return uniqueness_number(Q, threshold.slope)
@@ -184,7 +227,7 @@ def check_threshold(value: Coefficient, name: str) -> None:
         check_number(value, name, lambda number: 0 <= number < INFINITY, "be a finite number >= 0")
 
 
-def checked_values(nodes: Nodes, function: Coefficient, name: str) -> np.ndarray:
+def checked_values(nodes: Points, function: Coefficient, name: str) -> np.ndarray:
     """Values at the multiplier's nodes, (len(nodes),); raises ValueError for values that are negative or not finite."""
     if not isinstance(function, CoefficientFunction):
         return np.full(len(nodes), float(function))
@@ -195,6 +238,6 @@ def checked_values(nodes: Nodes, function: Coefficient, name: str) -> np.ndarray
     return values
 
 
-def transformation(friction: FaceLaw, cone: Cone, nodes: Nodes) -> np.ndarray:
+def transformation(law: FaceLaw, cone: Cone, nodes: Nodes) -> np.ndarray:
     """L = T p for all components of the multiplier."""
-    return scipy.linalg.block_diag(*[cone.Transformation(nodes)] * len(friction.components))
+    return scipy.linalg.block_diag(*[cone.Transformation(nodes)] * len(law.components))

@@ -100,7 +100,7 @@ class LoadSteps:
         for factor, other in zip(t[1:], self.cases[1:]):
             case = case + factor * other
         if previous == "last":
-            previous = self.last if self.reduced.problem.friction.depends_on_path else None
+            previous = self.last if self.reduced.problem.law.depends_on_path else None
         options = StepOptions(cone, self.last if start is None else start, max_iterations, previous)
         self.last = self.reduced.Step(options, case)
         return self.last

@@ -186,7 +186,7 @@ class NitscheSystem(ContactSystem):
 
     def _assemble(self, problem: ContactProblem) -> None:
         self.CheckCone(problem.cone)
-        components = problem.friction.components
+        components = problem.law.components
         self.nodes = nodes = CrackPoints(problem.body, self.method.points or problem.V.order + 3)
         omega, gamma = nodes.weights, nodes.Values(self.gamma)
         jumps, tractions = component_rows(problem, nodes)
@@ -246,7 +246,7 @@ def component_rows(problem: ContactProblem, nodes: CrackPoints) -> tuple[list[cs
     gradient = [*gradient, dilatation_rows(problem, nodes, gradient)]
     combined = lambda functions, rows: sum(scipy.sparse.diags(nodes.Values(f)) @ r for f, r in zip(functions, rows))
     jumps, tractions = [], []
-    for component in problem.friction.components:
+    for component in problem.law.components:
         jumps.append(combined([component.jump(GivenJump(e), body) for e in units(2)], jump))
         tractions.append(combined([component.traction(stress, body) for stress in stresses], gradient))
     joint = problem.a.joint
@@ -266,5 +266,5 @@ def joint_rows(problem: ContactProblem, joint: Joint, nodes: CrackPoints) -> Ite
     """What the joint adds to R at the points, for each component a sparse matrix."""
     columns = [joint.Tractions(u) for pair in unit_limits() for u in pair]
     rows = [row for operator in ("plus", "minus") for row in nodes.Rows(problem.V, operator)]
-    for component in problem.friction.components:
+    for component in problem.law.components:
         yield sum(scipy.sparse.diags(nodes.Values(t.Shift(component, "larger", problem.body))) @ row for t, row in zip(columns, rows))

@@ -8,9 +8,10 @@ import numpy as np
 from ..arguments import check_type, check_whole
 from ..protocols import Cone
 from .cones import CONES
+from .faces import FaceHistory
 from .solution import ContactSolution
 
-Start: TypeAlias = np.ndarray | ContactSolution | None  # boolean, one for each nodal sign, or a solution
+Start: TypeAlias = np.ndarray | ContactSolution | FaceHistory | None  # boolean, one for each nodal sign, a solution, or what its faces carry
 
 
 @dataclass(frozen=True)
@@ -27,17 +28,17 @@ class StepOptions:
     max_iterations
         Of the active set.
     previous
-        With friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+        The ContactSolution of the last load step, on the same spaces: what its faces have gone through counts; or a FaceHistory at the nodes of the problem.
     """
 
     cone: str | Cone | None = None
     start: Start = None
     max_iterations: int = 100
-    previous: ContactSolution | None = None
+    previous: ContactSolution | FaceHistory | None = None
 
     def __post_init__(self) -> None:
         check_whole(self.max_iterations, "max_iterations", 1)
-        check_type(self.previous, ContactSolution | None, "previous", "the ContactSolution of the last load step")
+        check_type(self.previous, ContactSolution | FaceHistory | None, "previous", "the ContactSolution of the last load step, or its FaceHistory")
 
     def Cone(self, default: Cone) -> Cone:
         """The cone; raises ValueError for an unknown name."""

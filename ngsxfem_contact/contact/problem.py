@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +16,14 @@ from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
 from ..material import Isotropic
 from ..operators import Gradient, Minus, Plus
-from ..protocols import FaceLaw, Stabilisation, check_role
+from ..protocols import FaceLaw, LawAtNodes, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
 from .cones import CONES
 from .contact_system import ContactSystem
 from .friction import Frictionless
 from .mixed_system import MixedSystem
+from .nodal_law import LawByCrack
 from .options import Start, StepOptions
 from .solution import ContactSolution
 from .solver import ReducedProblem
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
 
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
     from ..material import Coefficient
+    from .faces import FaceHistory
 
 
 def check_modes(V: CrackFESpace, material: Isotropic) -> None:
@@ -66,6 +69,17 @@ def check_no_function(stress: CoefficientFunction) -> None:
         raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
 
 
+def law_of(law: FaceLaw | Mapping[int, LawAtNodes | None] | None, body: CrackedMesh) -> FaceLaw:
+    """The law of all faces. Raises TypeError for what is none, ValueError for a crack that is not there."""
+    if isinstance(law, Mapping):
+        for crack in law:
+            check_item(crack, body.cracks, "crack", "body.cracks")
+        return LawByCrack({crack: Frictionless() if own is None else own for crack, own in law.items()}, Frictionless())
+    if law is not None:
+        check_role(law, FaceLaw, "ContactProblem: law", "a law such as Coulomb(mu_f), a mapping {crack: law}")
+    return Frictionless() if law is None else law
+
+
 def material_of(V: CrackFESpace, material: Isotropic | None) -> Isotropic:
     """The one that is given, or that of V. Raises TypeError if there is none, ValueError if they are two."""
     own: Isotropic | None = getattr(V, "material", None)
@@ -93,9 +107,10 @@ class ContactProblem:
     cone
         "nonpositive" (M₀⁻, M₁⁻: λ ≤ 0 at the nodes, default) or "weak" (M₁*⁻).
     gap
-        Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length.
-    friction
-        None (default), Tresca(s) or Coulomb(mu_f).
+        Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length. Laws that pull do so on g_n + g_0.
+    law
+        Of the faces: None (default), contact without friction; Tresca(s), Coulomb(mu_f), MohrCoulomb, Joint, BartonBandis, LinearCohesive, ExponentialCohesive,
+        Dugdale; or {number of a crack: its law}, None on the others.
     initial_stress
         σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
     temperature
@@ -136,7 +151,7 @@ class ContactProblem:
         stabilisation: Stabilisation | None = BarbosaHughes(),
         cone: str = "nonpositive",
         gap: Coefficient = 0,
-        friction: FaceLaw | None = None,
+        law: FaceLaw | Mapping[int, LawAtNodes | None] | None = None,
         initial_stress: CoefficientFunction | None = None,
         temperature: Coefficient | None = None,
     ) -> None:
@@ -153,15 +168,13 @@ class ContactProblem:
         material = material_of(V, material)
         if stabilisation is not None:
             check_role(stabilisation, Stabilisation, "ContactProblem: stabilisation", "an object such as BarbosaHughes()")
-        if friction is not None:
-            check_role(friction, FaceLaw, "ContactProblem: friction", "Tresca(s) nor Coulomb(mu_f)")
         decide(V, material)
         check_modes(V, material)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
         self.stabilisation: Stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
-        self.friction: FaceLaw = friction if friction is not None else Frictionless()
+        self.law = law_of(law, V.body)
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
@@ -297,8 +310,9 @@ class ContactProblem:
 
     def Gamma(self) -> CoefficientFunction | None:
         """γ as a CoefficientFunction on the elements that the cracks meet, or None without stabilisation."""
-        gamma = self.stabilisation.Gamma(self.V, self.material, self.friction.components)
-        return softened(gamma, self.a.joint)
+        gamma = self.stabilisation.Gamma(self.V, self.material, self.law.components)
+        joint = self.a.joint
+        return softened(softened(gamma, joint and joint.Stiffness()), getattr(self.law, "softening", None))
 
     @property
     def projection(self) -> int | None:
@@ -322,7 +336,7 @@ class ContactProblem:
         cone: str | None = None,
         start: Start = None,
         max_iterations: int = StepOptions.max_iterations,
-        previous: ContactSolution | None = None,
+        previous: ContactSolution | FaceHistory | None = None,
     ) -> ContactSolution:
         """Solves the problem.
 
@@ -339,7 +353,8 @@ class ContactProblem:
         max_iterations
             Of the active set.
         previous
-            With friction the ContactSolution of the last load step, on the same spaces: slip is measured from there.
+            The ContactSolution of the last load step, on the same spaces: slip is measured from there, and damage stays. Or a FaceHistory at the nodes of W, of a
+            solution with shorter cracks: solution.state.history.Carried(solution.state.nodes, W.nodes).
 
 
         Raises

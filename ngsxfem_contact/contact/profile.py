@@ -9,7 +9,8 @@ import numpy as np
 
 from ..operators import TANGENTIAL, NormalGap, Slip
 from ..points import crack_points
-from ..protocols import Nodes
+from ..protocols import Cone, Nodes
+from .faces import FaceHistory, FaceWork
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,7 +33,7 @@ class CrackProfile:
     slip
         g_t.
     sigma_n
-        λ ≤ 0.
+        λ: ≤ 0, but where a law pulls.
     sigma_t
         λ_t with friction, see Profile.
     """
@@ -54,24 +55,24 @@ class State:
     ----------
     nodes
         The Nodes of the multipliers.
+    cone
+        What their values mean.
     L
         The multipliers there.
-    moments
-        (B - C_γ) U + D_γ L - G_γ, G_γ what given tractions add.
     residual
-        Moments - G, G of the last load step; -∫ψ_i Δg_t with its stabilising part.
-    p
-        The values whose signs are checked, L = T p.
+        (B - C_γ) U + D_γ L - G: -∫ψ_i (g_n + g_0) and -∫ψ_i g_t with their stabilising parts.
+    history
+        Tractions, jumps and the law's variables, for the next load step.
     work
-        Of friction in this step, and how far it may be off.
+        Of the faces in this step.
     """
 
     nodes: Nodes
+    cone: Cone
     L: np.ndarray
-    moments: np.ndarray
     residual: np.ndarray
-    p: np.ndarray | None = None
-    work: tuple[float, float] = (0.0, 0.0)
+    history: FaceHistory | None = None
+    work: FaceWork = FaceWork()
 
 
 def profile(solution: ContactSolution, crack: int, n: int) -> CrackProfile:

@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ..algebra.nodal_newton import SLIP_MINUS, SLIP_PLUS, STICK
+from .faces import FaceWork
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -51,6 +52,10 @@ class Report:
         Below 1 it proves that the law has one solution (0: convex problem, None: not known).
     tangential
         With friction the states of the nodes in each iteration, codes of `nodal_newton`.
+    states
+        The fraction of the nodes in each state, by its name, where a law has states of its own.
+    work
+        Of the faces in this step, a FaceWork.
     unknowns
         Of the displacement and of the multiplier.
     iterations
@@ -73,6 +78,8 @@ class Report:
     uniqueness: float | None = None
     notes: list[str] = field(default_factory=list)
     projection: int | None = None
+    states: dict[str, float] = field(default_factory=dict)
+    work: FaceWork = FaceWork()
 
     def Counts(self) -> dict[str, int]:
         """Nodes in contact and, with friction, nodes that stick and slip either way, at the end."""
@@ -97,6 +104,15 @@ class Report:
             return [*lines, "uniqueness       not known"]
         return [*lines, f"uniqueness       {'proved' if self.uniqueness < 1 else 'not proved'} (number {self.uniqueness:.2g}, below 1 is sufficient)"]
 
+    def _law_lines(self) -> list[str]:
+        if not self.states:
+            return []
+        return [
+            "faces            " + ", ".join(f"{100 * fraction:.3g} % {name}" for name, fraction in self.states.items()),
+            f"method           {self.method}",
+            f"energy           {self.work.dissipated:.4g} dissipated in this step, {self.work.stored:.4g} stored in the faces",
+        ]
+
     def __str__(self) -> str:
         sizes = " ".join(str(int(a.sum())) for a in self.active)
         times = "  ".join(f"{name} {seconds:.3f}" for name, seconds in self.timings.items())
@@ -105,10 +121,11 @@ class Report:
             [
                 f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
                 f"direct solver    {self.inverse}",
-                f"converged        {'not checked yet' if self.converged is None else self.converged} after {self.iterations} active-set iterations ({self.coarse_iterations} on coarser sets before)",
+                f"converged        {'not checked yet' if self.converged is None else self.converged} after {self.iterations} {'Newton' if self.states else 'active-set'} iterations ({self.coarse_iterations} on coarser sets before)",
                 f"in contact       {sizes}" + (f"  (+ {self.fallback} safeguarded steps)" if self.fallback else ""),
                 *self._projection_lines(),
                 *self._friction_lines(),
+                *self._law_lines(),
                 f"residual         {measured(self.residual)}",
                 f"complementarity  {measured(self.complementarity)}",
                 f"seconds          {sum(self.timings.values()):.3f}: {times}",

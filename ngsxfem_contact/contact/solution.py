@@ -61,7 +61,7 @@ class ContactSolution:
     u : GridFunction
         The displacement.
     multiplier : GridFunction
-        λ, the contact pressure ≤ 0.
+        λ, the normal traction that the faces exert on each other: ≤ 0, but where a law pulls.
     tangential_multiplier : GridFunction or None
         λ_t; None without friction.
     a : StiffnessForm
@@ -163,7 +163,7 @@ class ContactSolution:
         return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
     def ContactForce(self, crack: int = 0) -> float:
-        """∫λ over a crack, ≤ 0: the normal force that its faces exert on each other, stress × length.
+        """∫λ over a crack, ≤ 0 unless a law pulls: the normal force that its faces exert on each other, stress × length.
 
         Returns
         -------
@@ -227,16 +227,20 @@ class ContactSolution:
             return rows.OfBoundaries({boundaries[i] for i in np.flatnonzero(list(self.body.mesh.Boundaries(place).Mask()))})
         return rows.OfPin(place)
 
-    def FrictionWork(self) -> float:
-        """The work that friction dissipates in this load step, ∫λ_t Δg_t ≥ 0; slip with its stabilising part, as at the nodes.
+    def DissipatedEnergy(self) -> float:
+        """What the faces dissipate in this load step, stress × length²: friction ∫λ_t Δg_t ≥ 0, and what cohesive laws lose; slip with its stabilising part, as at the nodes.
 
-        After a previous step by the trapezoidal rule for the threshold, which may change on the way; a first step has its last threshold.
+        Friction after a previous step by the trapezoidal rule for the threshold, which may change on the way; a first step has its last threshold.
         """
-        return self.state.work[0]
+        return self.state.work.dissipated
 
-    def FrictionWorkError(self) -> float:
-        """How far FrictionWork() may be off because the threshold changes within the step: the difference of the trapezoidal from the end-point rule."""
-        return self.state.work[1]
+    def DissipationError(self) -> float:
+        """How far DissipatedEnergy() may be off because the threshold changes within the step: the difference of the trapezoidal from the end-point rule."""
+        return self.state.work.error
+
+    def FaceEnergy(self) -> float:
+        """What the faces store and would give back, stress × length²: of joints, and of cohesive laws that unload. Joints of problem.a have no part in it."""
+        return self.state.work.stored
 
     def Multipliers(self) -> np.ndarray:
         """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""
@@ -351,11 +355,11 @@ class ContactSolution:
         return self.problem.material.VonMises(self.stress, self.problem.temperature)
 
     def PotentialEnergy(self) -> float:
-        """Π = ½ a(u, u) - L(u), springs and given stresses included. Without friction G = -dΠ/da, a the length of the crack."""
+        """Π = ½ a(u, u) + FaceEnergy() - L(u), springs and given stresses included. Without dissipation on the faces G = -dΠ/da, a the length of the crack."""
         if self.case is None:
             raise ValueError("PotentialEnergy: this solution was read from a file, which does not hold the load; solve the problem again")
         U = self.u.vec.FV().NumPy()
-        return self.Energy() + float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
+        return self.Energy() + self.FaceEnergy() + float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
 
     def Draw(self, **options: Any) -> Any:
         """Shows the deformed body with the crack open in a notebook.

@@ -7,7 +7,6 @@ import numpy as np
 import scipy
 from ngsolve import GridFunction
 
-from ..algebra.active_set import coarse_start
 from ..algebra.elimination import Elimination
 from ..errors import NotConverged
 from ..loads.load import LoadTerms
@@ -15,10 +14,13 @@ from ..loads.reactions import SupportResidual
 from ..protocols import Cone, Nodes
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
-from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, check_rigid_motions
+from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, warn_of_brittle_faces
 from .contact_system import ContactSystem
+from .faces import FaceHistory, Faces, Scales
+from .free_motions import FreeMotions
 from .friction import transformation
 from .load_case import LoadCase, ReducedCase
+from .nodal_law import gives_way
 from .options import StepOptions
 from .profile import State
 from .report import Report, stage
@@ -33,13 +35,14 @@ CONVERGED = 1e-8  # residual and complementarity of an answer, relative
 
 @dataclass
 class NodalSolution:
-    """What was found on the crack's own unknowns: L = T p, with G the right-hand side of the second row of (38), for a case and a cone."""
+    """What was found on the crack's own unknowns: L = T p, with G the right-hand side of the second row of (38), and rigid motions, for a case and faces."""
 
     case: ReducedCase
-    cone: Cone
+    faces: Faces
     T: np.ndarray
     p: np.ndarray
     G: np.ndarray
+    alpha: np.ndarray
 
     @property
     def L(self) -> np.ndarray:
@@ -66,14 +69,15 @@ class ReducedProblem:
         self.transformed: dict[Cone, tuple[np.ndarray, np.ndarray]] = {}
         size = f"{problem.V.ndof} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
-            check_rigid_motions(problem)
+            self.motions = FreeMotions(problem)
             problem.supports.Check()
             self.supports = problem.supports.Holders(), problem.supports.CornerEdges()
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
             check_gap(system)
+            warn_of_brittle_faces(problem, system.nodes)
         with stage(self.timings, "factor", f"eliminating {size}"):
-            free = without_negligible(system.stiffness, problem.V, problem.free)
+            free = without_negligible(system.stiffness, problem.V, self.motions.Without(problem.free))
             self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse)
             if check:
                 check_coercive(problem, self.elimination)
@@ -102,10 +106,11 @@ class ReducedProblem:
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
         return ReducedCase(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, load, jumps)
 
-    def Displacement(self, L: np.ndarray, case: ReducedCase | None = None) -> np.ndarray:
-        """U for a multiplier L: one back-substitution."""
+    def Displacement(self, L: np.ndarray, case: ReducedCase | None = None, alpha: np.ndarray | None = None) -> np.ndarray:
+        """U for a multiplier L and rigid motions: one back-substitution."""
         case = case or self.case
-        return self.elimination.Recover(case.reduced, self.system.Distribute(L)) + case.given
+        U = self.elimination.Recover(case.reduced, self.system.Distribute(L)) + case.given
+        return U if alpha is None else U + self.motions.R @ alpha
 
     def Solve(self, options: StepOptions = StepOptions(), case: ReducedCase | None = None) -> ContactSolution:
         """The ContactSolution, its equations checked; as Step."""
@@ -123,61 +128,76 @@ class ReducedProblem:
         """
         problem, case, cone = self.problem, case or self.case, options.Cone(self.problem.cone)
         self.system.CheckCone(cone)
-        case = case if self.initial is None else self.initial + case
-        problem.supports.CheckOverlap(case.jumps, problem.gap, np.abs(case.given).max())
+        case = self.Whole(case)
+        if not gives_way(problem.law, self.system.nodes):
+            problem.supports.CheckOverlap(case.jumps, problem.gap, np.abs(case.given).max())
         report = Report(
             (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
         )
         with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"):
             found = self._nodal_solution(options, case, cone, report)
-        previous, nodes, moments = options.previous, self.system.nodes, case.g + self.S @ found.L
-        residual = moments - found.G
-        work = problem.friction.Work(found.p, found.T.T @ residual, nodes, cone, None if previous is None else previous.state.p)
-        state = State(nodes, found.L, moments - case.given_traction.G, residual, found.p, work)
-        recover = lambda: self._recover(found, report)
+        recover, state = lambda: self._recover(found, report), self._state(found)
+        report.work = state.work
         return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, case)
 
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
         T, Q = self.Signs(cone)
-        G = self._gaps(options.previous) + case.given_traction.G
-        q = T.T @ (case.g - G)
-        start = self._first_set(Q, q, options, report)
-        p = self.problem.friction.Solve(Q, q, self.system.nodes, cone, report, start, options.max_iterations)
-        return NodalSolution(case, cone, T, p, G)
+        faces, G = self.Faces(cone, self._history(options.previous, cone), case), self._gaps(case)
+        found = self.problem.law.Solve(Q, T.T @ (case.g - G), faces, self._first_set(options), report, options.max_iterations)
+        p, alpha = np.split(found, [len(Q)])
+        return NodalSolution(case, faces, T, p, G, alpha)
 
-    def _gaps(self, previous: ContactSolution | None) -> np.ndarray:
-        """G of the second row of (38); its tangential part is (B - C_γ)_t U + D_γ L_t of the previous solution.
+    def Faces(self, cone: Cone, history: FaceHistory | None, case: ReducedCase) -> Faces:
+        """What the law is asked about."""
+        T, Q = self.Signs(cone)
+        return Faces(self.system.nodes, cone, np.diag(Q), history, T.T @ (self.system.E @ self.motions.R), self.motions.R.T @ case.forces)
 
-        Where a node sticks, the slip beyond the previous one is zero; measured with its stabilising part it is zero
-        exactly for unchanged loads.
-        """
-        problem = self.problem
+    def RightSide(self, case: ReducedCase, cone: Cone) -> np.ndarray:
+        """q of w = Q p + q."""
+        return self.Signs(cone)[0].T @ (case.g - self._gaps(case))
+
+    def Whole(self, case: ReducedCase) -> ReducedCase:
+        """A load with initial stress and temperature, which nothing scales."""
+        return case if self.initial is None else self.initial + case
+
+    def _gaps(self, case: ReducedCase) -> np.ndarray:
+        """The right-hand side of the second row of (38)."""
+        return self.system.G + case.given_traction.G
+
+    def _state(self, found: NodalSolution) -> State:
+        law, faces, p = self.problem.law, found.faces, found.p
+        residual = found.case.g + self.S @ found.L - found.G + self.system.E @ (self.motions.R @ found.alpha)
+        w = found.T.T @ residual
+        return State(faces.nodes, faces.cone, found.L, residual, faces.After(p, w, law.Variables(p, w, faces)), law.Work(p, w, faces))
+
+    def _history(self, previous: ContactSolution | FaceHistory | None, cone: Cone) -> FaceHistory | None:
+        """What the faces have gone through; slip with its stabilising part, so that it is zero exactly where a node sticks and the load is unchanged."""
+        problem, size = self.problem, (len(self.problem.law.components), len(self.system.nodes))
         if previous is None:
-            return self.system.G
+            return None
+        if isinstance(previous, FaceHistory):
+            if previous.jump.shape != size:
+                raise ValueError(f"previous is a history of {previous.jump.shape} components and nodes, the problem has {size}; see FaceHistory.Carried")
+            return previous
         if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
             raise ValueError("previous is a solution on other spaces; load steps need one on the V and W of the problem")
-        if len(previous.state.moments) != len(self.system.G):
+        if problem.law.depends_on_path and previous.state.cone != cone:
+            raise ValueError(f"previous is a solution with the cone {previous.state.cone}, this one has {cone}; all load steps need the same")
+        if len(previous.problem.law.components) != len(problem.law.components):
             raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")
-        G = self.system.G.copy()
-        G[len(self.system.nodes) :] = previous.state.moments[len(self.system.nodes) :]
-        return G
+        return previous.state.history
 
-    def _first_set(self, Q: np.ndarray, q: np.ndarray, options: StepOptions, report: Report) -> Any:
-        nodes, start = self.system.nodes, options.start
-        if start is None and options.previous is not None:
+    def _first_set(self, options: StepOptions) -> Any:
+        if options.start is None and isinstance(options.previous, ContactSolution):
             return options.previous.report.active[-1]
-        if isinstance(start, ContactSolution):
-            return active_on(nodes, start)
-        if start is not None:
-            return start
-        n = len(nodes)
-        active, report.coarse_iterations = coarse_start(Q[:n, :n], q[:n], nodes.neighbours)
-        return active
+        if isinstance(options.start, ContactSolution):
+            return active_on(self.system.nodes, options.start)
+        return options.start
 
     def Signs(self, cone: Cone) -> tuple[np.ndarray, np.ndarray]:
         """T with L = T p, and Tᵀ S T; checked once for each cone."""
         if cone not in self.transformed:
-            T = transformation(self.problem.friction, cone, self.system.nodes)
+            T = transformation(self.problem.law, cone, self.system.nodes)
             Q = T.T @ self.S @ T
             if self.check:
                 check_multiplier(Q, self.system.gamma is not None)
@@ -186,7 +206,7 @@ class ReducedProblem:
 
     def _recover(self, found: NodalSolution, report: Report) -> tuple[GridFunction, SupportResidual]:
         with stage(report.timings, "recover", "recovering and checking the displacement"):
-            u, U = GridFunction(self.problem.V, "u"), self.Displacement(found.L, found.case)
+            u, U = GridFunction(self.problem.V, "u"), self.Displacement(found.L, found.case, found.alpha)
             self._measure(found, U, report)
             check_converged(report)
             u.vec.FV().NumPy()[:] = U
@@ -195,9 +215,18 @@ class ReducedProblem:
 
     def _measure(self, found: NodalSolution, U: np.ndarray, report: Report) -> None:
         """The residual of (38) and the complementarity of a solution, into the report."""
-        report.residual = self.elimination.RelativeResidual((found.case.forces, self.system.Forces(found.L)), U)
+        forces = found.case.forces, self.system.Forces(found.L)
+        report.residual = max(self.elimination.RelativeResidual(forces, U), self._imbalance(*forces))
         report.complementarity = complementarity(self.system, self.problem, U, found)
         report.converged = max(report.residual, report.complementarity) < CONVERGED
+
+    def _imbalance(self, *forces: np.ndarray) -> float:
+        """Of the parts that only the faces hold, relative to the forces on them."""
+        R = self.motions.R
+        if not R.shape[1]:
+            return 0.0
+        size = np.abs(R).T @ sum(np.abs(force) for force in forces)
+        return float(np.abs(R.T @ sum(forces)).max() / max(size.max(), TINY))
 
 
 def check_converged(report: Report) -> None:
@@ -229,14 +258,16 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     """
     T, p = found.T, found.p
     w = T.T @ (system.Moments(U, found.L) - found.G)
-    lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.friction.components)), TINY)
+    lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.law.components)), TINY)
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
-    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max())
+    history = found.faces.history
+    before = 0.0 if history is None else np.abs(history.jump).max()
+    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max(), before)
     scale = max(np.abs(p).max(), TINY)
-    return problem.friction.Violation(p / scale, w / np.maximum(lengths * displacement, TINY), scale, system.nodes, found.cone)
+    return problem.law.Violation(p, w, found.faces, Scales(scale, np.maximum(lengths * displacement, TINY)))
 
 
 def multipliers(problem: "ContactProblem", system: ContactSystem, L: np.ndarray) -> list[GridFunction]:
     """L as GridFunctions: λ, and λ_t with friction."""
-    names = ("multiplier", "tangential_multiplier")[: len(problem.friction.components)]
+    names = ("multiplier", "tangential_multiplier")[: len(problem.law.components)]
     return [system.Function(problem, values, name) for name, values in zip(names, np.split(L, len(names)))]

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, ElementLocation
-    from ..loads.face_traction import Joint
-    from ..material import Isotropic
+    from ..material import Coefficient, Isotropic
     from ..operators import Component
 
 
@@ -260,9 +259,13 @@ def tip_weight(V: CrackFESpace) -> CoefficientFunction:
     return weight
 
 
-def softened(gamma: CoefficientFunction, joint: Joint | None, theta: float = 0.5) -> CoefficientFunction:
-    """1/(1/γ + k/θ) beside a joint of stiffness k: R_h holds -k g there, and γ R_h² ≤ θ (σ_n² γ/θ + k g²) by Cauchy and Schwarz."""
-    return gamma if gamma is None or joint is None else gamma / (1 + gamma * joint.Stiffness() / theta)
+def softened(gamma: CoefficientFunction, stiffness: Coefficient | None, theta: float = 0.5) -> CoefficientFunction:
+    """1/(1/γ + k/θ), k a stiffness.
+
+    Beside a joint of that stiffness R_h holds -k g, and γ R_h² ≤ θ (σ_n² γ/θ + k g²) by Cauchy and Schwarz. Faces that soften by k lose more than a jump of
+    the multiplier gives them back by γ unless γ k < 1; γ is large where a crack is short in an element.
+    """
+    return gamma if gamma is None or stiffness is None else gamma / (1 + gamma * stiffness / theta)
 
 
 def trace_constants(V: CrackFESpace, material: Isotropic | WithoutPressure, components: Sequence[Component] = (NORMAL,)) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, pi, sin, sqrt, tan
+from math import cos, log, pi, sin, sqrt, tan
 from typing import TYPE_CHECKING, Any
 
 from ngsolve import CF, CoefficientFunction, x, y
@@ -73,3 +73,20 @@ def single_edge_tension(ratio: float) -> float:
 def centre_crack_tension(ratio: float) -> float:
     """K_I / (σ√(πa)) of a central crack 2a = ratio 2W in a long strip of width 2W: Tada, Paris, Irwin, within 0.1 %."""
     return (1 - 0.025 * ratio**2 + 0.06 * ratio**4) / sqrt(cos(pi * ratio / 2))
+
+
+@dataclass(frozen=True)
+class DugdaleStrip:
+    """Where the zone of constant traction ends, its length measured from the middle of the crack, and the opening at the tip of the crack."""
+
+    end: float
+    opening: float
+
+
+def dugdale_strip(a: float, stress: float, strength: float, modulus: float) -> DugdaleStrip:
+    """The crack |x| < a under σ_yy = stress at infinity whose ligament yields at a strength: c = a sec(π σ / 2 σ_y), 8 σ_y a / (π E′) ln(c/a).
+
+    modulus: E′, E in plane stress. Dugdale, J. Mech. Phys. Solids 8 (1960) 100-104; the opening is that of Burdekin and Stone, J. Strain Analysis 1 (1966) 145-153.
+    """
+    secant = 1 / cos(pi * stress / (2 * strength))
+    return DugdaleStrip(a * secant, 8 * strength * a / (pi * modulus) * log(secant))

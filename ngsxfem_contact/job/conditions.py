@@ -1,4 +1,4 @@
-"""What a part is subject to: contact, friction, loads, supports."""
+"""What a part is subject to: contact, laws of the faces, loads, supports."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import numpy as np
 from ngsolve import CF, CoefficientFunction, specialcf
 
 from ..algebra.nodal_newton import FixedPoint, FullNewton
-from ..arguments import check_item
+from ..arguments import INFINITY, check_item
 from ..contact.cones import CONES
 from ..contact.friction import Coulomb, Tresca
+from ..contact.laws import BartonBandis, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb
 from ..contact.nitsche import Nitsche
 from ..contact.stabilisation import BarbosaHughes, BothSides
 from ..operators import Jump
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ngsolve import Mesh
 
     from ..contact.problem import ContactProblem
+    from ..material import Coefficient
     from ..protocols import FaceLaw, Stabilisation
     from .table import Kind, Table
 
@@ -51,25 +53,53 @@ def stabilisation_of(table: Table) -> Stabilisation | None:
 METHODS: Choices = {"FullNewton": (FullNewton, {}), "FixedPoint": (FixedPoint, {"tolerance": number, "max_iterations": whole})}
 
 
-def friction_of(table: Table) -> FaceLaw:
-    """The object of [friction]."""
+def laws_of(tables: list[Table], cracks: int) -> dict[int, FaceLaw] | FaceLaw | None:
+    """The law of the faces from all [[law]]: of each crack its own where tables name cracks."""
+    laws: dict[int | None, FaceLaw] = {}
+    for table in tables:
+        crack = table.Convert("crack", whole) if "crack" in table.values else None
+        if crack in laws:
+            table.Refuse("another table gives " + ("the law of all cracks" if crack is None else f"the law of crack {crack}"), "crack")
+        laws[crack] = law_of(table)
+    if set(laws) <= {None}:
+        return laws.get(None)
+    everywhere = dict.fromkeys(range(cracks), laws[None]) if None in laws else {}
+    return everywhere | {crack: law for crack, law in laws.items() if crack is not None}
+
+
+def law_of(table: Table) -> FaceLaw:
+    """The object of one [[law]]."""
 
     def method(value: Any) -> Any:
         return chosen(type(table)(subtable(value), f"{table.name}, method", table.file), "name", METHODS)
 
-    laws: Choices = {"Coulomb": (Coulomb, {"mu_f": formula, "method": method}), "Tresca": (Tresca, {"s": formula, "in_contact_only": boolean})}
-    return chosen(table, "law", laws)
+    laws: Choices = {
+        "Coulomb": (Coulomb, {"mu_f": formula, "method": method}),
+        "Tresca": (Tresca, {"s": formula, "in_contact_only": boolean}),
+        "MohrCoulomb": (MohrCoulomb, {"mu_f": formula, "cohesion": formula, "dilation": formula, "k_n": stiffness, "k_t": stiffness}),
+        "BartonBandis": (BartonBandis, {"k_n0": formula, "v_m": formula, "mu_f": formula}),
+        "Joint": (Joint, {"k_n": stiffness, "k_t": stiffness, "k_closed": stiffness}),
+        "LinearCohesive": (LinearCohesive, {"strength": formula, "G_c": formula, "beta": formula}),
+        "ExponentialCohesive": (ExponentialCohesive, {"strength": formula, "G_c": formula, "beta": formula}),
+        "Dugdale": (Dugdale, {"strength": formula, "beta": formula}),
+    }
+    return chosen(table, "name", laws, {"crack": whole})
 
 
-def chosen(table: Table, key: str, classes: Choices) -> Any:
-    """The object of one of some classes, name → (class, kinds of its arguments), named by a key."""
+def stiffness(value: Any) -> Coefficient:
+    """A number, inf or a formula."""
+    return INFINITY if value == INFINITY else formula(value)
+
+
+def chosen(table: Table, key: str, classes: Choices, beside: Mapping[str, Kind] = {}) -> Any:
+    """The object of one of some classes, name → (class, kinds of its arguments), named by a key; beside: keys that are no arguments."""
     if key not in table.values:
         table.Refuse(f"the key is missing; it is one of {', '.join(classes)}", key)
     name = choice(*classes)
     make, kinds = classes[table.Convert(key, name)]
-    values = table.Take({key: name, **kinds})
+    values = table.Take({key: name, **kinds, **beside})
     with table.Blamed():
-        return make(**{argument: value for argument, value in values.items() if argument != key})
+        return make(**{argument: value for argument, value in values.items() if argument in kinds})
 
 
 def initial_options(table: Table) -> dict[str, Any]:

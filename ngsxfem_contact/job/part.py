@@ -21,8 +21,8 @@ else:
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "paper.toml"
 ONE, MANY = (
-    ("mesh", "displacement", "multiplier", "contact", "stabilisation", "friction", "initial", "solve", "output", "reference"),
-    ("material", "crack", "load", "support"),
+    ("mesh", "displacement", "multiplier", "contact", "stabilisation", "initial", "solve", "output", "reference"),
+    ("material", "crack", "law", "load", "support"),
 )
 
 
@@ -112,9 +112,8 @@ def problem_of(one: dict[str, Table], many: dict[str, list[Table]], values: dict
     options = conditions.contact_options(one["contact"]) | conditions.initial_options(one["initial"])
     if "stabilisation" in values:
         options["stabilisation"] = conditions.stabilisation_of(one["stabilisation"])
-    if "friction" in values:
-        options["friction"] = conditions.friction_of(one["friction"])
-    with Table({}, "[contact], [initial], [friction]", one["mesh"].file).Blamed():
+    options["law"] = conditions.laws_of(many["law"], len(cracks))
+    with Table({}, "[contact], [initial], [[law]]", one["mesh"].file).Blamed():
         problem = ContactProblem(V, W, **options)
     for table in many["load"]:
         conditions.add_load(table, problem)

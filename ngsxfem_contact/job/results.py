@@ -39,7 +39,8 @@ def numbers_of_step(solution: ContactSolution) -> dict[str, Any]:
     report, cracks = solution.report, range(len(solution.body.cracks))
     return {
         "energy": solution.Energy(),
-        "friction_work": solution.FrictionWork(),
+        "dissipated_energy": solution.DissipatedEnergy(),
+        "face_energy": solution.FaceEnergy(),
         "cracks": [
             {
                 "contact_force": solution.ContactForce(crack),

@@ -34,6 +34,10 @@ class CurveNodes(core.CurveNodes):
         """Of a scalar CoefficientFunction, (n,)."""
         return function(self.points).ravel()
 
+    def Means(self, function: CoefficientFunction) -> np.ndarray:
+        """(n,): of points, its values."""
+        return self.Values(function)
+
     def Place(self, i: int) -> str:
         """Its arc length."""
         return f"arc length {self.arclengths[i]:.6g} of crack {self.cracks[i]}"

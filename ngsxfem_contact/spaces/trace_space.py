@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
-from ngsolve import BilinearForm, GridFunction
+from ngsolve import BilinearForm, CoefficientFunction, GridFunction, LinearForm
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
@@ -96,6 +96,12 @@ class TraceNodes(CurveNodes):
             function.vec[j] = 1
             values[:, j] = self.Values(function)
         return np.linalg.inv(values)
+
+    def Means(self, function: CoefficientFunction) -> np.ndarray:
+        """(n,): ∫ψ_i f / ∫ψ_i, within the range of the values at the nodes; a jump between nodes counts where it is."""
+        moments = LinearForm(function * self.W.TestFunction() * self.W.dcrack(bonus_intorder=10)).Assemble().vec.FV().NumPy()
+        values = self.Values(function)
+        return np.clip(self.functions.T @ moments / self.weights, values.min(), values.max())
 
     @cached_property
     def mass(self) -> np.ndarray:

@@ -29,8 +29,8 @@ def names(report):
     [
         ({}, PLAIN),
         ({"stabilisation": Nitsche(0)}, PLAIN),
-        ({"friction": Coulomb(0.3)}, FRICTION),
-        ({"friction": Coulomb(0.3, FixedPoint())}, [*FRICTION[:6], "threshold", *FRICTION[6:]]),
+        ({"law": Coulomb(0.3)}, FRICTION),
+        ({"law": Coulomb(0.3, FixedPoint())}, [*FRICTION[:6], "threshold", *FRICTION[6:]]),
     ],
     ids=["contact", "Nitsche", "Coulomb", "fixed point"],
 )

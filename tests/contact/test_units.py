@@ -18,7 +18,7 @@ UNITS = [(E, length) for E, length in product((1e-12, 1, 1e12), (1e-6, 1, 1e6)) 
 CORNERS = [(E, length) for E, length in UNITS if E != 1 and length != 1]
 METHODS = {
     "Barbosa, Hughes": dict(stabilisation=BarbosaHughes()), "Nitsche": dict(stabilisation=Nitsche(theta=0)),
-    "Coulomb": dict(friction=Coulomb(0.3)), "Tresca, Nitsche": dict(stabilisation=Nitsche(theta=-1)),
+    "Coulomb": dict(law=Coulomb(0.3)), "Tresca, Nitsche": dict(stabilisation=Nitsche(theta=-1)),
 }  # fmt: skip
 
 
@@ -33,7 +33,7 @@ def loaded(E, length, order, functions, method):
     """The plate is pressed on the left, pulled on the right, and sheared."""
     body, material = plate(length), Elasticity.PlaneStrain(E=E, nu=0.3)
     V = CrackFESpace(body, order=order, tip=TipEnrichment(material=material, functions=functions), dirichlet="bottom")
-    options = METHODS[method] | (dict(friction=Tresca(1e-5 * E)) if method.startswith("Tresca") else {})
+    options = METHODS[method] | (dict(law=Tresca(1e-5 * E)) if method.startswith("Tresca") else {})
     problem = ContactProblem(V, TraceSpace(body), material, **options)
     problem.f += E * CF((1e-5, 1e-3 * (x / length - 0.3))) * V.TestFunction() * body.ds("top")
     return problem

@@ -140,7 +140,7 @@ def pressed(mesh, cracks, pair, **options):
     return problem.Solve()
 
 
-@pytest.mark.parametrize("options", [{}, {"friction": Coulomb(0.3)}, {"stabilisation": Nitsche(0)}], ids=["contact", "friction", "Nitsche"])
+@pytest.mark.parametrize("options", [{}, {"law": Coulomb(0.3)}, {"stabilisation": Nitsche(0)}], ids=["contact", "friction", "Nitsche"])
 def test_the_answer_is_that_of_a_mesh_that_keeps_the_cracks_apart(options):
     """Energy and forces against a mesh whose elements are smaller than the distance of the cracks."""
     cracks = [Crack([(0, 0.43), (0.7, 0.46)]), Crack([(0.2, 0.505), (1, 0.53)])]

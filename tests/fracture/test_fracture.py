@@ -235,7 +235,7 @@ def test_other_fitted_solutions(name):
 def test_friction(name, law, tolerance):
     """λ_t on the lips; with Tresca's law the tip sticks, K = 0: relative to K_II without friction."""
     exact, scale = FRICTION_REFERENCE[name]["K_II"], abs(REFERENCE["C"]["K_II"])
-    K_I, K_II = paper_problem(unstructured_mesh(0.016), "C", friction=law).Solve().StressIntensity()
+    K_I, K_II = paper_problem(unstructured_mesh(0.016), "C", law=law).Solve().StressIntensity()
     assert abs(K_I) < tolerance * scale and abs(K_II - exact) < tolerance * (abs(exact) or scale)
 
 

@@ -39,7 +39,7 @@ TABLES = {
     "load": [f"{kind} = 1" for kind in conditions.LOADS],
     "support": [f"{kind} = 1" for kind in conditions.SUPPORTS],
     "stabilisation": [f"method = '{name}'" for name in conditions.STABILISATIONS],
-    "friction": ["law = 'Coulomb'", "law = 'Tresca'"],
+    "law": [f"name = '{name}'" for name in ("Coulomb", "Tresca", "MohrCoulomb", "BartonBandis", "Joint", "LinearCohesive", "ExponentialCohesive", "Dugdale")],
     **{name: [""] for name in ("displacement", "multiplier", "contact", "initial", "solve", "output", "reference")},
 }
 
@@ -48,7 +48,7 @@ def allowed(folder, name, keys):
     """What the message lists where a table has a key that no table has."""
     first = {"mesh": ["rectangle = [[0, 0], [1, 1]]\nmaxh = 0.5"], "material": ["lam = 1\nmu = 1"], "crack": ["polyline = [[0, 0.52], [0.6, 0.52]]"]}
     parts = {table: first.get(table, [""])[0] for table in first} | {name: f"{keys}\nno_key = 1"}
-    many = ("material", "crack", "load", "support")
+    many = ("material", "crack", "law", "load", "support")
     text = "\n".join(f"[[{table}]]\n{lines}" if table in many else f"[{table}]\n{lines}" for table, lines in parts.items())
     (folder / "part.toml").write_text(text, encoding="utf-8")
     with pytest.raises(RefusedPart, match="no_key: there is no such key.*allowed are") as refused:

@@ -11,16 +11,16 @@ from ngsolve import CF, Integrate, Mesh, dx, specialcf, x, y
 
 from ngsxfem_contact._ngsxfem_contact import Crack, CrackedMesh
 from ngsxfem_contact.algebra.nodal_newton import FixedPoint, FullNewton
-from ngsxfem_contact.contact.friction import Coulomb, Tresca
+from ngsxfem_contact.contact import BartonBandis, Coulomb, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb, Tresca
 from ngsxfem_contact.contact.load_steps import LoadSteps
 from ngsxfem_contact.contact.nitsche import Nitsche
 from ngsxfem_contact.contact.problem import ContactProblem
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes, BothSides
 from ngsxfem_contact.job.body import crack_of
-from ngsxfem_contact.job.conditions import friction_of, stabilisation_of
+from ngsxfem_contact.job.conditions import law_of, laws_of, stabilisation_of
 from ngsxfem_contact.job.gmsh import read_gmsh
 from ngsxfem_contact.job.part import EXAMPLE, read_part
-from ngsxfem_contact.job.table import Table
+from ngsxfem_contact.job.table import RefusedPart, Table
 from ngsxfem_contact.material import Elasticity
 from ngsxfem_contact.operators import Jump
 from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
@@ -76,8 +76,8 @@ FRICTION = """
 [displacement]
 order = 2
 
-[friction]
-law = "Coulomb"
+[[law]]
+name = "Coulomb"
 mu_f = "0.2 + 0.2*x"
 
 [[load]]
@@ -107,7 +107,7 @@ def test_two_regions_of_gmsh_friction_and_pressure_on_the_faces(tmp_path, versio
     (solution,) = part_of(tmp_path, LAYERED.format(file=file) + FRICTION).Solve()
     _, material, body = layered(file)
     V = CrackFESpace(body, order=2, material=material, dirichlet="bottom")
-    problem = ContactProblem(V, TraceSpace(body), friction=Coulomb(0.2 + 0.2 * x))
+    problem = ContactProblem(V, TraceSpace(body), law=Coulomb(0.2 + 0.2 * x))
     problem.f += CF((-0.02, -0.1)) * V.TestFunction() * body.ds("top")
     problem.FacePressure(0.04)
     other = problem.Solve()
@@ -200,7 +200,7 @@ def test_what_is_left_out_has_the_defaults_of_the_package(tmp_path):
     other = ContactProblem(V, W)
     assert (part.title, part.factors, part.inverse) == ("part", None, None)
     assert (part.problem.V.ndof, part.problem.V.order, part.problem.W.order) == (V.ndof, V.order, W.order)
-    assert (part.problem.stabilisation, part.problem.friction, part.problem.cone) == (other.stabilisation, other.friction, other.cone)
+    assert (part.problem.stabilisation, part.problem.law, part.problem.cone) == (other.stabilisation, other.law, other.cone)
     assert [spec.r1 for spec in part.problem.V.tip_specs] == [spec.r1 for spec in V.tip_specs]
 
 
@@ -257,13 +257,31 @@ def test_stabilisations():
     assert made(method="Nitsche", theta=-1, gamma0=0.1, coercivity=0.4, points=3) == Nitsche(-1, 0.1, 0.4, 3)
 
 
-def test_laws_of_friction():
-    made = lambda **values: friction_of(table(values))
-    assert made(law="Coulomb", mu_f=0.3) == Coulomb(0.3, FullNewton())
-    assert made(law="Coulomb", mu_f=0.3, method={"name": "FixedPoint", "tolerance": 1e-9}) == Coulomb(0.3, FixedPoint(1e-9))
-    assert made(law="Tresca", s=0.1, in_contact_only=True) == Tresca(0.1, True)
+def test_laws_of_the_faces():
+    made = lambda **values: law_of(table(values))
+    assert made(name="Coulomb", mu_f=0.3) == Coulomb(0.3, FullNewton())
+    assert made(name="Coulomb", mu_f=0.3, method={"name": "FixedPoint", "tolerance": 1e-9}) == Coulomb(0.3, FixedPoint(1e-9))
+    assert made(name="Tresca", s=0.1, in_contact_only=True) == Tresca(0.1, True)
     mesh = square(0.5)
-    assert made(law="Tresca", s="0.1*x").s(mesh(0.4, 0.5)) == pytest.approx(0.04)
+    assert made(name="Tresca", s="0.1*x").s(mesh(0.4, 0.5)) == pytest.approx(0.04)
+    assert made(name="MohrCoulomb", mu_f=0.3, cohesion=1, k_n=float("inf")) == MohrCoulomb(0.3, 1)
+    assert made(name="BartonBandis", k_n0=4, v_m=0.1, mu_f=0.2) == BartonBandis(4, 0.1, 0.2)
+    assert made(name="Joint", k_n=3, k_t=2, crack=1) == Joint(3, 2)
+    assert made(name="LinearCohesive", strength=1, G_c=2) == LinearCohesive(1, 2)
+    assert made(name="ExponentialCohesive", strength=1, G_c=2, beta=0.5) == ExponentialCohesive(1, 2, 0.5)
+    assert made(name="Dugdale", strength=1) == Dugdale(1)
+
+
+def test_laws_by_crack():
+    """One for all, one for some, and what is left."""
+    joint, rough = {"name": "Joint", "k_n": 3, "k_t": 2}, {"name": "Coulomb", "mu_f": 0.3}
+    made = lambda *tables: laws_of([table(values) for values in tables], 3)
+    assert made() is None and made(rough) == Coulomb(0.3)
+    assert made(rough | {"crack": 1}) == {1: Coulomb(0.3)}
+    assert made(joint, rough | {"crack": 1}) == {0: Joint(3, 2), 1: Coulomb(0.3), 2: Joint(3, 2)}
+    for twice in ((joint, rough), (joint | {"crack": 1}, rough | {"crack": 1})):
+        with pytest.raises(RefusedPart, match="crack: another table gives the law of"):
+            made(*twice)
 
 
 SPACES = """
@@ -306,8 +324,8 @@ STEPS = """
 traction = ["0.1*(0.6 - x)", "0.2*(x - 0.3)"]
 boundary = "top"
 
-[friction]
-law = "Coulomb"
+[[law]]
+name = "Coulomb"
 mu_f = 0.3
 
 [solve]

@@ -61,7 +61,7 @@ def test_pressure_in_a_closed_joint(pair, method):
 @pytest.mark.parametrize("method", METHODS)
 def test_tractions_that_vary_along_a_joint_that_sticks(pair, method):
     """In a clamped body: u = 0, λ and λ_t are what is given, linear along the crack."""
-    body = problem(pair=pair, stabilisation=METHODS[method], friction=Coulomb(5))
+    body = problem(pair=pair, stabilisation=METHODS[method], law=Coulomb(5))
     t, n = body.body.tangent, body.body.normal
     body.FaceTraction(plus=-(1 + x) * n - 0.3 * y * t, minus=(1 + x) * n + 0.3 * y * t)
     assert errors(body.Solve(), lambda a, b: -1 - a, lambda a, b: -0.3 * b) < 1e-10
@@ -73,7 +73,7 @@ def test_tractions_that_vary_along_a_joint_that_sticks(pair, method):
 def test_a_clamped_body_with_an_initial_stress(pair, method, by_term):
     """σ⁰ in equilibrium, linear: u = 0, λ = n·σ⁰n and λ_t = t·σ⁰n on a crack that sticks."""
     given = CF((-2 + 0.3 * y, 0.1, 0.1, -1 + 0.3 * x), dims=(2, 2))
-    clamped = problem(pair=pair, stabilisation=METHODS[method], friction=Coulomb(5), initial_stress=None if by_term else given)
+    clamped = problem(pair=pair, stabilisation=METHODS[method], law=Coulomb(5), initial_stress=None if by_term else given)
     if by_term:
         clamped.f += -InnerProduct(given, Grad(clamped.V.TestFunction())) * clamped.body.dx
     solution = clamped.Solve()

@@ -13,12 +13,7 @@ from ngsxfem_contact.errors import SingularSystem
 MATERIAL = Elasticity.PlaneStrain(E=3, nu=0.3)
 MESH = rectangle(0.3)
 CRACK = Crack([(0, 0.47), (0.5, 0.52)])
-METHODS = [
-    dict(stabilisation=BarbosaHughes()),
-    dict(stabilisation=Nitsche(theta=-1)),
-    dict(friction=Coulomb(0.3)),
-    dict(stabilisation=Nitsche(), friction=Coulomb(0.3)),
-]
+METHODS = [dict(stabilisation=BarbosaHughes()), dict(stabilisation=Nitsche(theta=-1)), dict(law=Coulomb(0.3)), dict(stabilisation=Nitsche(), law=Coulomb(0.3))]
 
 
 def loaded(order=1, mesh=MESH, crack=CRACK, tip=TipEnrichment(material=MATERIAL, r1=0.3), held=None, **options):
@@ -91,7 +86,7 @@ def test_a_corner_is_divided_as_the_tractions_are(order):
     """Under constant stress each side carries its own traction, whatever the elements at the corners."""
     strain = np.array([[-0.1, -0.02], [-0.02, -0.05]])
     body = CrackedMesh(MESH, Crack([(0.3, 0.5), (0.7, 0.5)]))
-    problem = ContactProblem(CrackFESpace(body, order=order, tip=None, dirichlet=".*"), TraceSpace(body), MATERIAL, friction=Coulomb(10))
+    problem = ContactProblem(CrackFESpace(body, order=order, tip=None, dirichlet=".*"), TraceSpace(body), MATERIAL, law=Coulomb(10))
     problem.SetDirichlet(CF((strain[0, 0] * x + strain[0, 1] * y, strain[1, 0] * x + strain[1, 1] * y)), ".*")
     solution, sigma = problem.Solve(), MATERIAL.lam * np.trace(strain) * np.eye(2) + 2 * MATERIAL.mu * strain
     for side, normal in (("left", (-1, 0)), ("top", (0, 1)), ("right|top", (1, 1)), (".*", (0, 0))):

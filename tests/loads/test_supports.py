@@ -140,10 +140,10 @@ AT_A_VERTEX = [Crack([(0, 0.5), (0.52, 0.53)])], [Crack([(-0.52, 0.53), (0, 0.5)
 BESIDE = [Crack([(1, 0.53), (0.48, 0.47)])], [Crack([(1, 0.53), (0.48, 0.47)]), Crack([(-1, 0.53), (-0.48, 0.47)])]
 
 
-def symmetric_problem(mesh, cracks, order, multiplier, tip=TIP, friction=None, stabilisation=BarbosaHughes(), **held):
+def symmetric_problem(mesh, cracks, order, multiplier, tip=TIP, law=None, stabilisation=BarbosaHughes(), **held):
     body = CrackedMesh(mesh, *cracks)
     V = CrackFESpace(body, order=order, tip=tip, dirichlety="bottom", **held)
-    p = ContactProblem(V, TraceSpace(body, order=multiplier), MATERIAL, friction=friction, stabilisation=stabilisation)
+    p = ContactProblem(V, TraceSpace(body, order=multiplier), MATERIAL, law=law, stabilisation=stabilisation)
     load(p, (0.3 * x, -1 + 4 * x * x), "top")
     return load(p, (x, 0.2))
 
@@ -154,7 +154,7 @@ def symmetric_problem(mesh, cracks, order, multiplier, tip=TIP, friction=None, s
     [
         dict(order=1, multiplier=1),
         dict(order=2, multiplier=1),
-        dict(order=2, multiplier=0, friction=Coulomb(0.3)),
+        dict(order=2, multiplier=0, law=Coulomb(0.3)),
         dict(order=1, multiplier=0, stabilisation=Nitsche()),
     ],
 )

@@ -17,9 +17,10 @@ import ngsxfem_contact
 from ngsxfem_contact import BarbosaHughes, Coulomb, Nitsche, TipEnrichment, Tresca, protocols
 from ngsxfem_contact.algebra.elimination import BackSubstitution, PartialFactorisation
 from ngsxfem_contact.algebra.pardiso import Pardiso
-from ngsxfem_contact.contact import BothSides, Coercivity
+from ngsxfem_contact.contact import BothSides, Coercivity, Joint
 from ngsxfem_contact.contact.cones import CONES
 from ngsxfem_contact.contact.friction import Frictionless
+from ngsxfem_contact.contact.nodal_law import LawByCrack
 from ngsxfem_contact.contact.stabilisation import Unstabilised
 from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, pressure_error, rotated_square, uniform_compression, uniform_stress
 from ngsxfem_contact.operators import NORMAL
@@ -80,7 +81,19 @@ def test_the_members_of_roles_are_those_of_the_protocols(role):
     [
         (protocols.CompleteStabilisation, [BarbosaHughes(), BothSides(1), Nitsche(), Unstabilised()]),
         (protocols.Stabilisation, [added("Constant")(1), added("CutLength")()]),
-        (protocols.FaceLaw, [Frictionless(), Coulomb(0.3), Tresca(1), added("NoSeparation")(), added("MohrCoulomb")(0, 0)]),
+        (
+            protocols.FaceLaw,
+            [
+                Frictionless(),
+                Coulomb(0.3),
+                Tresca(1),
+                added("NoSeparation")(),
+                added("Adhesion")(0, 0),
+                added("Suction")(1.0),
+                Joint(1, 1),
+                LawByCrack({}, Frictionless()),
+            ],
+        ),
         (protocols.TipFunctions, [TipEnrichment(), added("HalfTheRoom")(MATERIAL)]),
         (protocols.Cone, [*CONES.values()]),
         (protocols.DirectSolver, [PartialFactorisation, BackSubstitution, Pardiso]),
@@ -106,9 +119,11 @@ def test_what_a_role_lacks_is_named():
         tolerance = 1e-5
 
     problem = paper_problem(unstructured_mesh(0.2))
-    for role in ({"stabilisation": Half()}, {"friction": Half()}):
+    for role in ({"stabilisation": Half()}, {"law": Half()}):
         (option,) = role
-        missing = {"stabilisation": "has no Gamma and no IsSafe", "friction": "has no depends_on_path and no Solve and no Work and no Violation"}[option]
+        missing = {"stabilisation": "has no Gamma and no IsSafe", "law": "has no depends_on_path and no Solve and no Variables and no Work and no Violation"}[
+            option
+        ]
         with pytest.raises(TypeError, match=f"ContactProblem: {option}=.* {missing}; docs/extending.md"):
             ngsxfem_contact.ContactProblem(problem.V, problem.W, MATERIAL, **role)
     with pytest.raises(TypeError, match="CrackFESpace: tip=.* has no Spec; docs/extending.md"):
@@ -120,7 +135,7 @@ def test_the_minimal_objects_work():
     usual = paper_problem(mesh).Solve()
     constant = paper_problem(mesh, stabilisation=added("Constant")(1e-3)).Solve()
     assert constant.ContactForce() == pytest.approx(usual.ContactForce(), rel=0.02)
-    pressed, held = paper_problem(mesh, "C").Solve(), paper_problem(mesh, "C", friction=added("NoSeparation")()).Solve()
+    pressed, held = paper_problem(mesh, "C").Solve(), paper_problem(mesh, "C", law=added("NoSeparation")()).Solve()
     assert pressed.report.Counts()["contact"] < len(pressed.report.active[-1]) == held.report.Counts()["contact"]
     assert held.Profile().sigma_n.max() > 0 and np.abs(held.state.residual).max() < 1e-10
     problem = paper_problem(mesh)
@@ -159,28 +174,46 @@ def test_the_guide_names_what_exists():
         "ImportError",
         "NgException",
         "InnerProduct",
+        "IfPos",
         "MPa",
     }
     public = {name: getattr(module, name) for module in public_modules() for name in module.__all__}
     assert words - other <= public.keys() | {member for value in public.values() for member in dir(value)}
 
 
+def test_the_law_at_the_nodes_that_is_added_works():
+    """Its derivative, other stiffnesses, and a column: λ = s, and what is left of the displacement opens it; with another law in the body, too."""
+    law, rng = added("Suction")(0.5), np.random.default_rng(0)
+    relation, trial, c = law.At(range(50)), rng.standard_normal((2, 50)), np.full((2, 50), 3.0)
+    (g, D), h = relation.Jump(trial, c, {}), 1e-7
+    assert np.abs((relation.Jump(trial + h, c, {})[0] - g) / h - D.sum(axis=1)).max() < 1e-6
+    assert np.abs(relation.Jump(trial + 4 * g, c + 4, {})[0] - g).max() < 1e-14
+    body = ngsxfem_contact.CrackedMesh(rotated_square(0, (0, 0), 0.4), crack_on_axis(-0.5, 0.5))
+    V = ngsxfem_contact.CrackFESpace(body, order=1, dirichlet="outer")
+    for mapping in (law, {0: law}):
+        problem = ngsxfem_contact.ContactProblem(V, ngsxfem_contact.TraceSpace(body), ngsxfem_contact.Elasticity.PlaneStrain(E=10, nu=0), law=mapping)
+        problem.SetDirichlet(CF((0, 0.05 * y + IfPos(y, 0.2, 0))), "outer")
+        solution = problem.Solve()
+        assert np.abs(solution.Profile().sigma_n - 0.5).max() < 1e-12 and np.abs(solution.Profile().gap - 0.2).max() < 1e-12
+        assert solution.FaceEnergy() == pytest.approx(0.1) and solution.report.states["open"] == 1
+
+
 def test_the_law_of_friction_that_is_added_works():
     """A block that slides under pressure 1: λ_t = c + μ_f; and the laws that it contains."""
-    law, angle, offset = added("MohrCoulomb"), 0.41, (0.03, -0.02)
+    law, angle, offset = added("Adhesion"), 0.41, (0.03, -0.02)
     exact = uniform_stress(MATERIAL, 0.3, 0.25, -1)
     body = ngsxfem_contact.CrackedMesh(rotated_square(angle, offset, 0.2), crack_on_axis(*mouths(angle, offset)))
     V = ngsxfem_contact.CrackFESpace(body, order=2, dirichlet="outer")
-    block = ngsxfem_contact.ContactProblem(V, ngsxfem_contact.TraceSpace(body, order=1), MATERIAL, friction=law(c=0.1, mu_f=0.15))
+    block = ngsxfem_contact.ContactProblem(V, ngsxfem_contact.TraceSpace(body, order=1), MATERIAL, law=law(c=0.1, mu_f=0.15))
     block.SetDirichlet(exact.u + CF((IfPos(y, 0.05, -0.05), 0)), "outer")
     solution = block.Solve()
     assert np.abs(solution.Profile().sigma_t - 0.25).max() < 1e-9 and np.abs(solution.Profile().slip - 0.1).max() < 1e-9
 
     mesh = unstructured_mesh(0.06)
     for own, known in ((law(0, 0.3), Coulomb(0.3)), (law(0.05, 0), Tresca(0.05, in_contact_only=True))):
-        ours, theirs = (paper_problem(mesh, "C", friction=friction).Solve().Multipliers() for friction in (own, known))
+        ours, theirs = (paper_problem(mesh, "C", law=friction).Solve().Multipliers() for friction in (own, known))
         assert np.abs(ours - theirs).max() < 1e-10 * np.abs(theirs).max()
-    both = paper_problem(mesh, "C", friction=law(0.01, 0.3)).Solve()
+    both = paper_problem(mesh, "C", law=law(0.01, 0.3)).Solve()
     p_n, p_t = np.split(both.Multipliers(), 2)
     assert (np.abs(p_t) <= np.where(p_n < 0, 0.01 - 0.3 * p_n, 0) + 1e-12).all() and (p_t[p_n < 0] < 0.3 * p_n[p_n < 0] - 0.009).any()
 
@@ -229,16 +262,21 @@ def test_the_guide_runs(capsys):
 
     names["make_problem"] = make_problem
     blocks = code_of("guide.md")
-    assert len(blocks) == 9
+    assert len(blocks) == 11
     for block in blocks:
-        if "material=rock" in block or "friction=" in block or "stabilisation=" in block:
+        if "material=rock" in block or "law=" in block or "stabilisation=" in block:
             own = dict(names)
             exec(block, own)
             own["problem"].f += CF((2, -5)) * own["V"].TestFunction() * own["body"].ds("top")
             assert own["problem"].Solve().report.converged
         else:
             exec(block, names)
-    assert names["solution"].report.converged and names["growth"].table["state"][0] == "grows" and len(names["solutions"]) == 21
+    assert (
+        names["solution"].report.converged
+        and names["growth"].table["state"][0] == "grows"
+        and len(names["solutions"]) == 21
+        and names["steps"].last is names["solutions"][-1]
+    )
 
 
 RESULTS = ROOT / "benchmarks" / "results"

@@ -79,7 +79,7 @@ def test_closed_cracks_under_balanced_tractions_have_the_pressure_of_any_nu():
 def test_uniform_stress_is_exact_at_a_closed_crack(friction):
     """σ = -I under u = -c (x, y), given on the boundary: div u is as small as 1/λ_L."""
     V = space(dirichlet="left|right|bottom|top")
-    P = ContactProblem(V, TraceSpace(V.body), friction=friction)
+    P = ContactProblem(V, TraceSpace(V.body), law=friction)
     P.SetDirichlet(-1 / (2 * (RUBBER.lam + RUBBER.mu)) * CF((x, y)), "left|right|bottom|top")
     solution = P.Solve()
     assert solution.Profile(n=51).sigma_n == pytest.approx(-1, abs=1e-8)
