@@ -16,6 +16,7 @@ __all__: list[str] = [
     "CrackBilinearForm",
     "CrackEnd",
     "CrackFESpace",
+    "CrackFacet",
     "CrackedMesh",
     "CurveNodes",
     "CutDifferentialSymbol",
@@ -25,7 +26,6 @@ __all__: list[str] = [
     "ElementKind",
     "ElementLocation",
     "ElementMatrices",
-    "ElementPart",
     "EndKind",
     "FormTerm",
     "InnerIntegrals",
@@ -34,7 +34,7 @@ __all__: list[str] = [
     "NumKeptRules",
     "NumNegativePivots",
     "OperatorName",
-    "Part",
+    "PartTriangle",
     "PointOf",
     "SchurComplement",
     "Side",
@@ -90,7 +90,8 @@ class Side(_Enumeration):
 
 class Crack:
     """An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the
-    minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth."""
+    minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth,
+    on another crack a junction; a closed one has no ends."""
 
     @staticmethod
     def Arc(start: tuple[float, float], through: tuple[float, float], end: tuple[float, float]) -> Crack:
@@ -147,6 +148,10 @@ class Crack:
 
     def __init__(self, points: collections.abc.Sequence[tuple[float, float]]) -> None: ...
     @property
+    def closed(self) -> bool:
+        """Whether the crack ends where it starts, without a tip or a mouth."""
+
+    @property
     def kinks(self) -> list[float]:
         """Arc lengths at which the direction jumps; of a polyline all inner points."""
 
@@ -198,35 +203,12 @@ class Degeneracy:
     def tip_on_vertex(self) -> bool:
         """Whether it ends in a vertex."""
 
-class Part:
-    """A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension."""
-
-    @property
-    def curved(self) -> tuple[float, float] | None:
-        """Arc lengths between which the side opposite of corner 0 is a part of the crack, or None."""
-
-    @property
-    def side(self) -> Side:
-        """The Side of the crack on which it lies."""
-
-    @property
-    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]:
-        """The three corners (x, y)."""
-
 class ElementLocation:
-    """Where an element lies with respect to the crack that meets it, and its parts on either side."""
+    """Where an element lies with respect to the crack that meets it."""
 
     @property
     def arclength(self) -> tuple[float, float]:
         """Arc lengths at which the crack enters and leaves it."""
-
-    @property
-    def area_minus(self) -> float:
-        """The area of its part on the minus side."""
-
-    @property
-    def area_plus(self) -> float:
-        """The area of its part on the plus side."""
 
     @property
     def chords(self) -> list[tuple[float, float]]:
@@ -234,7 +216,7 @@ class ElementLocation:
 
     @property
     def curved(self) -> bool:
-        """Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle."""
+        """Whether the element is curved. Its triangle is then that of its corners."""
 
     @property
     def degeneracy(self) -> Degeneracy:
@@ -253,35 +235,54 @@ class ElementLocation:
         """Its ElementKind: Cut, Tip or Aligned."""
 
     @property
-    def larger(self) -> Side:
-        """The Side of its larger part, Plus for equal ones: the part whose stress is R_h."""
-
-    @property
-    def parts(self) -> list[Part]:
-        """The Parts into which the crack divides it; one for an aligned element."""
-
-    @property
     def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]:
         """The three corners (x, y) of the element."""
 
-class ElementPart(Part):
-    """A Part of an element that one crack or several meet."""
+class PartTriangle:
+    """A triangle inside a connected part of an element; of a curved element in its straight triangle."""
+
+    def Outline(self, turn: float = 0.05) -> list[tuple[float, float]]:
+        """The corners, and between the last two points of the curved side, between which it turns by about turn."""
+
+    @property
+    def area(self) -> float:
+        """Its area; with a curved side that of the cone over it."""
+
+    @property
+    def part(self) -> int:
+        """The number of the part in its element, from 0."""
+
+    @property
+    def triangle(self) -> typing.Annotated[list[tuple[float, float]], "FixedSize(3)"]:
+        """The three corners (x, y)."""
+
+class CrackFacet:
+    """A stretch of a crack in an element, between two parts: those of the element, and behind them those of neighbours across its edges."""
+
+    @property
+    def arclength(self) -> tuple[float, float]:
+        """Where it starts and ends on the crack."""
 
     @property
     def crack(self) -> int:
-        """The crack that its side and its curved side belong to."""
+        """The number of the crack."""
 
     @property
-    def larger(self) -> list[bool]:
-        """For each of the element's cracks: whether this belongs to the larger part beside it."""
+    def larger(self) -> Side:
+        """The Side of the larger one of the two, of equal ones Plus: the one whose stress is R_h."""
 
     @property
-    def sides(self) -> list[Side]:
-        """With respect to each of the element's cracks."""
+    def minus(self) -> int:
+        """The part on its minus side, the same one beside a tip."""
+
+    @property
+    def plus(self) -> int:
+        """The part on its plus side."""
 
 class EndKind(_Enumeration):
-    """An end of a crack: a Tip inside the body or a Mouth on its boundary."""
+    """An end of a crack: a Tip inside the body, a Mouth on its boundary, or a Junction on another crack, or where a closed crack starts."""
 
+    Junction: typing.ClassVar[EndKind]
     Mouth: typing.ClassVar[EndKind]
     Tip: typing.ClassVar[EndKind]
     __members__: typing.ClassVar[dict[str, EndKind]]
@@ -291,7 +292,7 @@ class CrackEnd:
 
     @property
     def kind(self) -> EndKind:
-        """Its EndKind: Tip inside the body, Mouth on its boundary."""
+        """Its EndKind: Tip inside the body, Mouth on its boundary, Junction on another crack."""
 
     @property
     def point(self) -> tuple[float, float]:
@@ -342,9 +343,6 @@ class CrackedMesh:
     def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
         """BitArray of the elements that carry a part of a crack (None: of any)."""
 
-    def CrackInTriangle(self, element: int, crack: int) -> Crack:
-        """The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle."""
-
     def CracksOf(self, element: int) -> list[int]:
         """Numbers of the cracks that meet an element."""
 
@@ -360,8 +358,17 @@ class CrackedMesh:
     def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]:
         """The two CrackEnds of a crack, its start first."""
 
+    def Facets(self, element: int) -> list[CrackFacet]:
+        """The CrackFacets in an element, and on those of its edges that it carries for a neighbour, too."""
+
+    def InLargerPart(self, side: str | None) -> ngsolve.fem.CoefficientFunction:
+        """1 in the larger parts beside the cracks, 0 elsewhere, a CoefficientFunction: by the position of a point (None), on the cracks for their "plus" or "minus" side."""
+
     def LimitOnCrack(self, function: ngsolve.fem.CoefficientFunction, side: int) -> ngsolve.fem.CoefficientFunction:
         """The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there."""
+
+    def Links(self, edge: int) -> list[typing.Annotated[list[int], "FixedSize(2)"]]:
+        """Pairs of parts of the two elements beside an edge of the mesh that hang together across it."""
 
     def MeshNodes(self, crack: int, kinks: bool) -> list[float]:
         """Arc lengths at which the crack meets mesh edges, and of its ends (and kinks)."""
@@ -369,8 +376,11 @@ class CrackedMesh:
     def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends."""
 
-    def Parts(self, element: int) -> list[ElementPart]:
-        """The ElementParts into which the cracks divide an element; none if no crack meets it."""
+    def PartSizes(self, element: int) -> list[float]:
+        """The areas of the connected parts of an element (of a curved one in its straight triangle); [1] if no crack meets it."""
+
+    def Parts(self, element: int) -> list[PartTriangle]:
+        """The PartTriangles into which the cracks divide an element, a list; none if no crack meets it."""
 
     def __init__(self, mesh: ngsolve.comp.Mesh, *cracks: Crack) -> None: ...
     @property
@@ -471,16 +481,16 @@ class CrackFESpace(ngsolve.comp.FESpace):
         """For each boundary region two arrays: the unknowns of either component with a trace on it."""
 
     def Heaviside(self, j: int) -> tuple[int, int]:
-        """(i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support."""
+        """(i, s_i): the number of the j-th enriched function φ_i, and the side on which its copy sees the largest part of the support."""
 
     def HeavisideCrack(self, j: int) -> int:
-        """The number of the crack at which it jumps."""
+        """The number of the crack at which it jumps, of the longest one of several."""
 
     def HeavisideDof(self, j: int, component: int) -> int:
         """The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y)."""
 
-    def HeavisideSide(self, j: int, element: int) -> int:
-        """The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere."""
+    def HeavisideFactors(self, j: int, element: int) -> list[int]:
+        """By how much φ_i is multiplied in the j-th Heaviside function, ±1 or 0, on each part of an element. Raises an Exception outside of the support."""
 
     def HeldRegions(self, component: int) -> pyngcore.pyngcore.BitArray:
         """The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed."""

@@ -31,11 +31,11 @@ static void ExportCrack (py::module & m)
   py::enum_<Side>(m, "Side", "The side of a crack: Plus to the left of its direction of travel, Minus to the right.").value("Minus", Side::Minus).value("Plus", Side::Plus);
   py::class_<Crack>(m, "Crack",
       "An oriented curve Γ_C in the plane, in the coordinates of the mesh. Its normal n points to the left of the direction of travel t, from the\n"
-      "minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth.\n\nParameters\n"
+      "minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth,\non another crack a junction; a closed one has no ends.\n\nParameters\n"
       "----------\npoints\n"
       "    The corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves, Crack.Join one crack of\n"
       "    several.\n\nRaises\n------\nException\n"
-      "    For coordinates that are not finite, points that coincide, and a curve that touches or crosses itself.\n\n"
+      "    For coordinates that are not finite, points that coincide, and a curve that touches or crosses itself elsewhere than at its two ends.\n\n"
       "Examples\n--------\n>>> crack = Crack([(0, 0), (3, 4)])\n>>> crack.length, crack.points\n"
       "(5.0, [(0.0, 0.0), (3.0, 4.0)])\n>>> crack.SideOf((0, 1))\n<Side.Plus: 1>")
     .def(py::init(&ToCrack), py::arg("points"))
@@ -54,6 +54,7 @@ static void ExportCrack (py::module & m)
            for (size_t i = 0; i <= c.NumPieces(); i++) if (c.IsKink(i)) kinks.push_back(c.ArcLength(i));
            return kinks;
          }, "Arc lengths at which the direction jumps; of a polyline all inner points.")
+    .def_property_readonly("closed", &Crack::IsClosed, "Whether the crack ends where it starts, without a tip or a mouth.")
     .def_property_readonly("length", &Crack::Length, "The arc length from end to end, in the user's unit of length.")
     .def("PointAt", [] (const Crack & c, double s) { return ToPair(c.PointAt(c.Checked(s))); }, py::arg("s"), "The point (x, y) at arc length s, 0 ≤ s ≤ length.")
     .def("TangentAt", [] (const Crack & c, double s) { s = c.Checked(s); return ToPair(c.Tangent(c.PieceAt(s), s)); }, py::arg("s"), "The unit tangent at arc length s.")
@@ -72,6 +73,19 @@ static void ExportCrack (py::module & m)
                     [] (py::tuple state) { return CrackOfPieces(state[0].cast<PieceDescriptions>()); }));
 }
 
+static std::vector<Pair> OutlineOf (const PartTriangle & part, double turn)
+{
+  if (!part.curved) return ToPairs(std::vector<Point>(part.triangle.begin(), part.triangle.end()));
+  auto & [curve, chord] = *part.curved;
+  auto [piece, s0, s1] = chord;
+  double largest = 0;
+  for (int i = 0; i <= 4; i++) largest = std::max(largest, std::abs(curve->Piece(piece).Curvature(s0 + 0.25*i*(s1-s0) - curve->ArcLength(piece))));
+  int n = int(std::ceil(1e-3 + largest*(s1-s0)/turn));
+  std::vector<Pair> points { ToPair(part.triangle[0]) };
+  for (int i = 0; i <= n; i++) points.push_back(ToPair(curve->PointAt(piece, s0 + double(i)/n*(s1-s0))));
+  return points;
+}
+
 static void ExportLocation (py::module & m)
 {
   py::enum_<ElementKind>(m, "ElementKind", "How a crack meets an element: Uncut, Cut through, Tip inside, or Aligned with an edge that the element carries.")
@@ -82,21 +96,12 @@ static void ExportLocation (py::module & m)
     .def_readonly("tip_on_edge", &Degeneracy::tip_on_edge, "Whether it ends on an edge.")
     .def_readonly("tip_on_vertex", &Degeneracy::tip_on_vertex, "Whether it ends in a vertex.")
     .def_readonly("kink_inside", &Degeneracy::kink_inside, "Whether its direction jumps inside the element.");
-  py::class_<Part>(m, "Part", "A triangle inside an element that lies on one side of the crack and, beyond a tip, of its straight extension.")
-    .def_property_readonly("triangle", [] (const Part & p) { return ToPairs(p.triangle); }, "The three corners (x, y).")
-    .def_readonly("side", &Part::side, "The Side of the crack on which it lies.")
-    .def_property_readonly("curved", [] (const Part & p) { return p.curved ? std::optional(std::pair(p.curved->s0, p.curved->s1)) : std::nullopt; },
-                           "Arc lengths between which the side opposite of corner 0 is a part of the crack, or None.");
-  py::class_<ElementLocation>(m, "ElementLocation", "Where an element lies with respect to the crack that meets it, and its parts on either side.")
+  py::class_<ElementLocation>(m, "ElementLocation", "Where an element lies with respect to the crack that meets it.")
     .def_readonly("element", &ElementLocation::element, "The number of the element in the mesh.")
     .def_readonly("kind", &ElementLocation::kind, "Its ElementKind: Cut, Tip or Aligned.")
     .def_readonly("degeneracy", &ElementLocation::degeneracy, "The special positions that hold.")
     .def_readonly("h", &ElementLocation::h, "The longest edge h_T, in the user's unit of length.")
-    .def_readonly("curved", &ElementLocation::curved, "Whether the element is curved. Its triangle, parts and areas are then those of its straight triangle.")
-    .def_readonly("parts", &ElementLocation::parts, "The Parts into which the crack divides it; one for an aligned element.")
-    .def_property_readonly("area_plus", [] (const ElementLocation & l) { return l.areas.plus; }, "The area of its part on the plus side.")
-    .def_property_readonly("area_minus", [] (const ElementLocation & l) { return l.areas.minus; }, "The area of its part on the minus side.")
-    .def_property_readonly("larger", [] (const ElementLocation & l) { return l.areas.Larger(); }, "The Side of its larger part, Plus for equal ones: the part whose stress is R_h.")
+    .def_readonly("curved", &ElementLocation::curved, "Whether the element is curved. Its triangle is then that of its corners.")
     .def_property_readonly("chords", [] (const ElementLocation & l)
          {
            std::vector<Pair> chords;
@@ -105,13 +110,22 @@ static void ExportLocation (py::module & m)
          }, "Arc lengths between which the crack is in the element.")
     .def_property_readonly("arclength", [] (const ElementLocation & l) { return std::pair(l.S0(), l.S1()); }, "Arc lengths at which the crack enters and leaves it.")
     .def_property_readonly("triangle", [] (const ElementLocation & l) { return ToPairs(l.triangle); }, "The three corners (x, y) of the element.");
-  py::class_<ElementPart, Part>(m, "ElementPart", "A Part of an element that one crack or several meet.")
-    .def_readonly("crack", &ElementPart::crack, "The crack that its side and its curved side belong to.")
-    .def_readonly("sides", &ElementPart::sides, "With respect to each of the element's cracks.")
-    .def_readonly("larger", &ElementPart::larger, "For each of the element's cracks: whether this belongs to the larger part beside it.");
-  py::enum_<EndKind>(m, "EndKind", "An end of a crack: a Tip inside the body or a Mouth on its boundary.").value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth);
+  py::class_<PartTriangle>(m, "PartTriangle", "A triangle inside a connected part of an element; of a curved element in its straight triangle.")
+    .def_property_readonly("triangle", [] (const PartTriangle & p) { return ToPairs(p.triangle); }, "The three corners (x, y).")
+    .def_readonly("part", &PartTriangle::part, "The number of the part in its element, from 0.")
+    .def_property_readonly("area", [] (const PartTriangle & p) { return Area(p); }, "Its area; with a curved side that of the cone over it.")
+    .def("Outline", &OutlineOf, py::arg("turn") = Crack::turn_in_pictures,
+         "The corners, and between the last two points of the curved side, between which it turns by about turn.");
+  py::class_<CrackFacet>(m, "CrackFacet", "A stretch of a crack in an element, between two parts: those of the element, and behind them those of neighbours across its edges.")
+    .def_readonly("crack", &CrackFacet::crack, "The number of the crack.")
+    .def_readonly("plus", &CrackFacet::plus, "The part on its plus side.")
+    .def_readonly("minus", &CrackFacet::minus, "The part on its minus side, the same one beside a tip.")
+    .def_property_readonly("larger", [] (const CrackFacet & f) { return Side(f.larger_side); }, "The Side of the larger one of the two, of equal ones Plus: the one whose stress is R_h.")
+    .def_property_readonly("arclength", [] (const CrackFacet & f) { return std::pair(f.chord.s0, f.chord.s1); }, "Where it starts and ends on the crack.");
+  py::enum_<EndKind>(m, "EndKind", "An end of a crack: a Tip inside the body, a Mouth on its boundary, or a Junction on another crack, or where a closed crack starts.")
+    .value("Tip", EndKind::Tip).value("Mouth", EndKind::Mouth).value("Junction", EndKind::Junction);
   py::class_<CrackEnd>(m, "CrackEnd", "An end of a crack in a mesh.")
-    .def_readonly("kind", &CrackEnd::kind, "Its EndKind: Tip inside the body, Mouth on its boundary.")
+    .def_readonly("kind", &CrackEnd::kind, "Its EndKind: Tip inside the body, Mouth on its boundary, Junction on another crack.")
     .def_readonly("s", &CrackEnd::s, "Its arc length: 0 or the length of the crack.")
     .def_property_readonly("point", [] (const CrackEnd & e) { return ToPair(e.point); }, "Its place (x, y).");
   py::class_<Tip>(m, "Tip", "A crack end inside the body: point, crack number, direction ahead, and the clearance that a disk of singular functions has.")
@@ -151,8 +165,8 @@ static void ExportCrackedMesh (py::module & m)
       "    Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the\n"
       "    body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n*cracks\n"
       "    The Cracks, one by one.\n\nRaises\n------\nException\n"
-      "    For a crack that leaves the body on its way, runs along its boundary or ends beside it, or passes twice through one element, and for cracks that\n"
-      "    meet each other, or an element without a strip between them (3 % of its size).\n\nNotes\n-----\n"
+      "    For a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch or touch without\n"
+      "    crossing.\n\nNotes\n-----\n"
       "An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:\n"
       "`notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a\n"
       "mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:\n"
@@ -170,12 +184,32 @@ static void ExportCrackedMesh (py::module & m)
     .def("CheckMesh", &CrackedMesh::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.")
     .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"), "The two CrackEnds of a crack, its start first.")
     .def("Elements", [] (const CrackedMesh & b, size_t c) { b.CheckMesh(); return b.Location(c).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
-    .def("Parts", [] (const CrackedMesh & b, size_t element)
+    .def("Parts", [] (py::object self, size_t element)
+         {
+           auto & body = self.cast<const CrackedMesh &>();
+           body.CheckMesh();
+           py::list parts;
+           if (auto cut = body.Find(element))
+             for (auto & part : cut->Triangles())
+               {
+                 parts.append(py::cast(part));
+                 py::detail::keep_alive_impl(parts[parts.size()-1], self);      // its curved side belongs to the body
+               }
+           return parts;
+         }, py::arg("element"), "The PartTriangles into which the cracks divide an element, a list; none if no crack meets it.")
+    .def("PartSizes", [] (const CrackedMesh & b, size_t element)
          {
            b.CheckMesh();
            auto cut = b.Find(element);
-           return cut ? cut->parts : std::vector<ElementPart>();
-         }, py::arg("element"), "The ElementParts into which the cracks divide an element; none if no crack meets it.")
+           return cut ? cut->sizes : std::vector<double> { 1 };
+         }, py::arg("element"), "The areas of the connected parts of an element (of a curved one in its straight triangle); [1] if no crack meets it.")
+    .def("Facets", [] (const CrackedMesh & b, size_t element)
+         {
+           b.CheckMesh();
+           auto cut = b.Find(element);
+           return cut ? cut->Facets() : std::vector<CrackFacet>();
+         }, py::arg("element"), "The CrackFacets in an element, and on those of its edges that it carries for a neighbour, too.")
+    .def("Links", &CrackedMesh::Links, py::arg("edge"), "Pairs of parts of the two elements beside an edge of the mesh that hang together across it.")
     .def("CracksOf", [] (const CrackedMesh & b, size_t element)
          {
            std::vector<size_t> numbers;
@@ -194,15 +228,6 @@ static void ExportCrackedMesh (py::module & m)
            for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) points.push_back({ nr, ToPair(edge.crossing) });
            return points;
          }, py::arg("crack"), "The boundary elements that a crack cuts, with the points (x, y) at which it cuts them: a list of (number, point).")
-    .def("CrackInTriangle", [] (const CrackedMesh & b, size_t element, size_t c)
-         {
-           auto cut = b.Find(element);
-           auto here = cut ? cut->Find(c) : nullptr;
-           if (!here) throw ngcore::Exception("CrackedMesh: crack " + std::to_string(c) + " does not meet element " + std::to_string(element));
-           return here->location->CrackInTriangle(b.GetCrack(c));
-         }, py::arg("element"), py::arg("crack"),
-         "The crack that the curved sides of an element's parts belong to: of a curved element a copy in the coordinates of its straight triangle.\n"
-         "\nRaises\n------\nException\n    If the crack does not meet the element.")
     .def("CrackElements", &CrackedMesh::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
     .def("MeshNodes", &MeshNodes, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
     .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.")
@@ -211,13 +236,22 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); },
                            "The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack.")
     .def_property_readonly("larger_side", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
-         { return make_shared<CrackLabel>(b, [] (const ElementCrack & here) { return double(int(here.larger)); }); },
+         { return make_shared<CrackLabel>(b, [] (const CrackSides & here) { return double(here.larger_side); }); },
          "On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction.")
+    .def("InLargerPart", [] (shared_ptr<CrackedMesh> b, std::optional<std::string> side) -> shared_ptr<CoefficientFunction>
+         {
+           if (!side) return make_shared<LargerPart>(b);
+           if (*side != "plus" && *side != "minus") throw py::value_error("CrackedMesh.InLargerPart: side='" + *side + "' is neither 'plus' nor 'minus'");
+           bool plus = *side == "plus";
+           return make_shared<CrackLabel>(b, [plus] (const CrackSides & here) { return double(here.Larger() == (plus ? here.plus : here.minus)); });
+         }, py::arg("side"),
+         "1 in the larger parts beside the cracks, 0 elsewhere, a CoefficientFunction: by the position of a point (None), on the cracks for their \"plus\" or \"minus\" side.\n"
+         "\nRaises\n------\nValueError\n    For another side.")
     .def("LimitOnCrack", [] (shared_ptr<CrackedMesh> b, shared_ptr<CoefficientFunction> function, int side) -> shared_ptr<CoefficientFunction>
          { return make_shared<CrackLimit>(b, function, side); }, py::arg("function"), py::arg("side"),
          "The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.")
     .def_property_readonly("crack_number", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
-         { return make_shared<CrackLabel>(b, [] (const ElementCrack & here) { return double(here.crack); }); },
+         { return make_shared<CrackLabel>(b, [] (const CrackSides & here) { return double(here.crack); }); },
          "On the cracks the number of the crack: a CoefficientFunction.")
     .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); }, "The measure on the body without the cracks.")
     .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); }, "The measure on the boundary, divided at mouths.")

@@ -61,10 +61,14 @@ static void ExportCrackFESpace (py::module & m)
          "Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are.\n\nRaises\n"
          "------\nException\n    Where there are no functions.")
     .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside, "The number of Heaviside functions of one component.")
-    .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "(i, s_i): the number of the j-th enriched function φ_i, and the sign of the larger part of its support.")
-    .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"), "The number of the crack at which it jumps.")
-    .def("HeavisideSide", &CrackFESpace::HeavisideSide, py::arg("j"), py::arg("element"),
-         "The side of an element in the support of the j-th Heaviside function: 1, -1, or 0 if the crack divides it or runs along it. Raises an Exception elsewhere.")
+    .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "(i, s_i): the number of the j-th enriched function φ_i, and the side on which its copy sees the largest part of the support.")
+    .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"), "The number of the crack at which it jumps, of the longest one of several.")
+    .def("HeavisideFactors", [] (const CrackFESpace & v, size_t j, size_t element)
+         {
+           auto factors = v.HeavisideFactors(j, element);
+           return std::vector<int>(factors.begin(), factors.end());
+         }, py::arg("j"), py::arg("element"),
+         "By how much φ_i is multiplied in the j-th Heaviside function, ±1 or 0, on each part of an element. Raises an Exception outside of the support.")
     .def("HeavisideDof", &CrackFESpace::HeavisideDof, py::arg("j"), py::arg("component"), "The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y).")
     .def("BoundaryDofs", [] (const CrackFESpace & v)
          {

@@ -129,3 +129,14 @@ def pull(problem, upper, stress=1.0):
     problem.Pin((upper[0], -upper[1]), "xy")
     problem.Pin(upper, "x")
     return problem
+
+
+def side_areas(body, place, crack=0):
+    """(plus, minus): the areas of an element on either side of a crack that meets it, beside a tip also of its straight extension."""
+    facets = [facet for facet in body.Facets(place.element) if facet.crack == crack]
+    plus, minus = ({getattr(facet, side) for facet in facets} for side in ("plus", "minus"))
+    areas = {1: 0.0, -1: 0.0}
+    for part in body.Parts(place.element):
+        here = int(body.cracks[crack].SideOf(tuple(np.mean(part.triangle, axis=0)))) if part.part in plus & minus else 1 if part.part in plus else -1
+        areas[here] += part.area
+    return areas[1], areas[-1]

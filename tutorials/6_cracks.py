@@ -131,7 +131,7 @@ plt.show()
 # %% [markdown]
 # ## What is refused
 #
-# Cracks may not cross or branch, an element carries one crack and is passed once, and a level set has to be one curve with two ends. Every refusal says what, where, and what to do:
+# Cracks may cross, end on each other and close on themselves. They may not share a stretch or cross themselves, and a level set has to be one curve with two ends. Every refusal says what, where, and what to do:
 
 # %%
 
@@ -143,9 +143,9 @@ def attempt(what, make):
         print(f"{what}:\n    {refusal}")
 
 
-attempt("Two cracks that cross", lambda: CrackedMesh(mesh, cracks["arc"], Crack([(0.3, 0.2), (0.3, 0.45)])))
+attempt("Two cracks that share a stretch", lambda: CrackedMesh(mesh, Crack([(0.2, 0), (0.5, 0)]), Crack([(0.3, 0), (0.7, 0)])))
 attempt("An end outside", lambda: CrackedMesh(mesh, Crack([(0.5, 0), (1.2, 0.1)])))
-attempt("Twice through an element", lambda: CrackedMesh(mesh, Crack([(0, 0), (0.3, 0), (0.1, 0.02)])))
+attempt("A crack that crosses itself", lambda: Crack([(0, 0), (0.3, 0), (0.3, 0.1), (0.1, -0.1)]))
 attempt("An arc through points on a line", lambda: Crack.Arc((0, 0), (0.2, 0), (0.5, 0)))
 attempt("A spline with a point twice", lambda: Crack.Spline([(0, 0), (0.2, 0.1), (0.2, 0.1), (0.5, 0)]))
 attempt("A level set with two branches", lambda: Crack.LevelSet(mesh, y**2 - 0.04, x - 0.5))

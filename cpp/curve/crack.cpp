@@ -40,16 +40,30 @@ namespace ngsxfem_contact
     CheckSelfContact();
   }
 
-  Crack :: Crack (std::vector<PiecePtr> apieces) : pieces(std::move(apieces))
+  Crack :: Crack (std::vector<PiecePtr> apieces)
   {
-    if (pieces.empty()) throw Exception("Crack: needs at least one piece; give pieces to Crack.OfPieces, or cracks to Crack.Join");
-    points.push_back(pieces[0]->Value(0));
-    for (auto & piece : pieces)
-      points.push_back(piece->Value(piece->End()));
+    if (apieces.empty()) throw Exception("Crack: needs at least one piece; give pieces to Crack.OfPieces, or cracks to Crack.Join");
+    SetPieces(std::move(apieces));
     CheckPoints();
     CheckContinuous();
     Measure();
     CheckSelfContact();
+  }
+
+  Crack Crack :: Unchecked (std::vector<PiecePtr> pieces)
+  {
+    Crack crack;
+    crack.SetPieces(std::move(pieces));
+    crack.Measure();
+    return crack;
+  }
+
+  void Crack :: SetPieces (std::vector<PiecePtr> apieces)
+  {
+    pieces = std::move(apieces);
+    points.push_back(pieces[0]->Value(0));
+    for (auto & piece : pieces)
+      points.push_back(piece->Value(piece->End()));
   }
 
   void Crack :: Measure ()
@@ -57,6 +71,7 @@ namespace ngsxfem_contact
     arclength.push_back(0);
     for (size_t i = 0; i < NumPieces(); i++)
       arclength.push_back(arclength[i] + pieces[i]->Length());
+    closed = Norm(Point(points.back()-points.front())) <= geometric_tolerance*Length();
     kink.assign(points.size(), false);
     for (size_t i = 1; i < NumPieces(); i++)
       kink[i] = Norm(Point(Tangent(i, arclength[i]) - Tangent(i-1, arclength[i])))
@@ -134,10 +149,12 @@ namespace ngsxfem_contact
         {
           if (j <= i) return;
           auto & c = chords[i], & d = chords[j];
-          // neighbours share d.a
-          auto [distance, place] = j == i+1 ? std::pair(std::min(Distance(d.b, c.a, c.b), Distance(c.a, d.a, d.b)), d.a)
+          // neighbours share d.a, or c.a where the crack is closed
+          bool next = j == i+1, around = closed && i == 0 && j+1 == chords.size();
+          auto [distance, place] = next ? std::pair(std::min(Distance(d.b, c.a, c.b), Distance(c.a, d.a, d.b)), d.a)
+            : around ? std::pair(std::min(Distance(c.b, d.a, d.b), Distance(d.a, c.a, c.b)), c.a)
             : Approach(c.a, c.b, d.a, d.b);
-          double sagittas = j == i+1 ? 0 : c.sagitta + d.sagitta;
+          double sagittas = next || around ? 0 : c.sagitta + d.sagitta;
           if (distance <= geometric_tolerance * Length() + sagittas)
             throw Exception("Crack: pieces " + std::to_string(c.piece) + " and " + std::to_string(d.piece) + " meet near "
                             + ToString(place) + "; a crack must not touch or cross itself: split or shorten it");
@@ -191,8 +208,8 @@ namespace ngsxfem_contact
     auto & piece = *pieces[i];
     double t = piece.Nearest(p), end = piece.End();
     Point off = p-piece.Value(t);
-    bool before = i == 0 && t <= 0 && Dot(off, piece.Derivative(t)) < 0;
-    bool after = i+1 == NumPieces() && t >= end && Dot(off, piece.Derivative(t)) > 0;
+    bool before = !closed && i == 0 && t <= 0 && Dot(off, piece.Derivative(t)) < 0;
+    bool after = !closed && i+1 == NumPieces() && t >= end && Dot(off, piece.Derivative(t)) > 0;
     return { i, t, Norm(off), before || after };
   }
 
@@ -216,11 +233,11 @@ namespace ngsxfem_contact
     size_t i = at.piece;
     double d = IsStraight(i) ? LineDistance(i, p) : Cross(Tangent(at), Point(p-pieces[i]->Value(at.t)));
     // nearest to a kink: the sum of the two normals decides, whichever piece was found first
-    bool at_start = at.t <= 0 && i > 0, at_end = at.t >= pieces[i]->End() && i+1 < NumPieces();
+    bool at_start = at.t <= 0 && (i > 0 || closed), at_end = at.t >= pieces[i]->End() && (i+1 < NumPieces() || closed);
     if (!at.beyond_end && (at_start || at_end))
       {
-        size_t joint = at_start ? i : i+1;
-        d = Dot(Point(p-points[joint]), Point(Normal(joint-1, arclength[joint]) + Normal(joint, arclength[joint])));
+        size_t after = at_start ? i : (i+1) % NumPieces(), before = at_start ? (i+NumPieces()-1) % NumPieces() : i;
+        d = Dot(Point(p-points[after]), Point(Normal(before, arclength[before+1]) + Normal(after, arclength[after])));
       }
     return d >= 0 ? Side::Plus : Side::Minus;
   }
@@ -238,21 +255,5 @@ namespace ngsxfem_contact
         outline.push_back(points[i+1]);
       }
     return outline;
-  }
-
-  std::pair<double, Point> Distance (const Crack & a, const Crack & b)
-  {
-    std::pair<double, Point> best { std::numeric_limits<double>::infinity(), Point(0,0) };
-    auto p = a.Outline(0.02), q = b.Outline(0.02);
-    std::vector<Box> boxes;
-    for (size_t j = 0; j+1 < q.size(); j++) boxes.push_back(BoxOf(std::array { q[j], q[j+1] }));
-    BoxTree tree(boxes);
-    for (size_t i = 0; i+1 < p.size(); i++)
-      tree.VisitNear(BoxOf(std::array { p[i], p[i+1] }), best.first, [&] (size_t j)
-      {
-        if (auto here = Approach(p[i], p[i+1], q[j], q[j+1]); here.first < best.first) best = here;
-        return best.first;
-      });
-    return best;
   }
 }

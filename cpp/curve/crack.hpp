@@ -13,6 +13,7 @@ namespace ngsxfem_contact
     std::vector<Point> points;       // the ends of the pieces
     std::vector<double> arclength;   // at the points
     std::vector<bool> kink;          // at the points
+    bool closed = false;
     BoxTree boxes;                   // of parts of the pieces that are nearly straight
     std::vector<size_t> piece_of;    // by box
 
@@ -20,10 +21,12 @@ namespace ngsxfem_contact
     static constexpr double turn_in_pictures = 0.05;     // of an Outline
 
     /// A polyline. Throws for fewer than two points, a non-finite coordinate, a segment of zero length, a curve that
-    /// meets itself.
+    /// meets itself elsewhere than at its two ends.
     explicit Crack (std::vector<Point> apoints);
     /// Throws for pieces that do not continue each other, and for a curve that meets itself.
     explicit Crack (std::vector<PiecePtr> apieces);
+    /// A stretch of a crack, which need not be checked again.
+    static Crack Unchecked (std::vector<PiecePtr> pieces);
 
     /// The ends of the pieces: the points of a polyline.
     const std::vector<Point> & Points() const { return points; }
@@ -31,6 +34,8 @@ namespace ngsxfem_contact
     const CurvePiece & Piece (size_t i) const { return *pieces[i]; }
     const std::vector<PiecePtr> & Pieces() const { return pieces; }
     double Length() const { return arclength.back(); }
+    /// Whether it ends where it starts: no tip, no mouth.
+    bool IsClosed() const { return closed; }
     bool IsPolyline() const { return std::ranges::all_of(pieces, [] (auto & piece) { return piece->IsStraight(); }); }
     /// An arc length within the crack but for round-off. Throws for others.
     double Checked (double s) const;
@@ -66,6 +71,8 @@ namespace ngsxfem_contact
     std::vector<Point> Outline (double turn) const;
 
   private:
+    Crack() = default;
+    void SetPieces (std::vector<PiecePtr> apieces);
     void CheckPoints() const;
     void CheckContinuous() const;
     void CheckSelfContact() const;
@@ -75,6 +82,4 @@ namespace ngsxfem_contact
     Projection NearestOn (size_t piece, Point p) const;
   };
 
-  /// The distance of two cracks, and a point of the first where it is attained.
-  std::pair<double, Point> Distance (const Crack & a, const Crack & b);
 }

@@ -14,6 +14,13 @@ namespace ngsxfem_contact
     return str.str();
   }
 
+  std::string Digits (double x)
+  {
+    std::ostringstream str;
+    str << x;
+    return str.str();
+  }
+
   double Distance (Point p, Point a, Point b)
   {
     Point ab = b-a;

@@ -23,6 +23,8 @@ namespace ngsxfem_contact
   /// Turned by a right angle to the left.
   inline Point Left (Point a) { return Point(-a(1), a(0)); }
   std::string ToString (Point p);
+  /// A number for messages.
+  std::string Digits (double x);
   /// Distance from p to the closed segment [a, b].
   double Distance (Point p, Point a, Point b);
 

@@ -1,7 +1,6 @@
 #include "cut/crack_ends.hpp"
 #include <algorithm>
 #include <core/exception.hpp>
-#include <sstream>
 
 namespace ngsxfem_contact
 {
@@ -9,13 +8,6 @@ namespace ngsxfem_contact
 
   namespace
   {
-    std::string Digits (double x)
-    {
-      std::ostringstream str;
-      str << x;
-      return str.str();
-    }
-
     /// Where a crack starts or ends: a parameter of one of its pieces, perhaps a little beyond its end.
     struct Cut { size_t piece; double t; };
 

@@ -17,12 +17,155 @@ namespace ngsxfem_contact
     CheckTriangles(*mesh);
     BodyBoundary boundary(*mesh);
     for (size_t c = 0; c < cracks.size(); c++) cracks[c] = FittedToBody(cracks[c], c, boundary, notes);
-    locations.reserve(cracks.size());
-    for (auto & crack : cracks)
-      locations.emplace_back(*mesh, crack);
-    CheckDistinct();
-    FindCutElements();
+    FitToEachOther(cracks, *mesh, boundary, notes);
+    LocateCracks(AllMeetings(cracks, boundary.Tolerance()));
+    CompareNeighbours();
+    DivideBoundary();
     FindTips(boundary);
+  }
+
+  void CrackedMesh :: LocateCracks (const std::vector<std::vector<double>> & meetings)
+  {
+    for (size_t c = 0; c < cracks.size(); c++) locations.emplace_back(*mesh, cracks[c], meetings[c]);
+    std::map<size_t, std::vector<ElementChord>> chords;
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (auto & location : locations[c].Elements())
+        std::ranges::move(locations[c].DividingChords(location, c), std::back_inserter(chords[location.element]));
+    for (auto & [element, some] : chords) cut_elements.try_emplace(element, ElementMap(*mesh, element), cracks, some);
+    AlignEdges();
+    for (size_t c = 0; c < cracks.size(); c++)
+      {
+        locations[c].Complete();
+        for (auto & location : locations[c].Elements())
+          cut_elements.at(location.element).cracks.push_back({ c, &location, location.kind });
+      }
+  }
+
+  CutElement & CrackedMesh :: CutElementOf (size_t element)
+  { return cut_elements.try_emplace(element, ElementMap(*mesh, element), cracks, std::vector<ElementChord>()).first->second; }
+
+  void CrackedMesh :: AlignEdges ()
+  {
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (auto & [edge, chords] : locations[c].AlignedEdges()) AlignEdge(c, edge, chords);
+  }
+
+  std::vector<ElementDivision::Interval> CrackedMesh :: Along (size_t element, size_t edge) const
+  {
+    auto [v0, v1] = mesh->GetEdgePNums(edge);
+    auto cut = Find(element);
+    if (!cut) return { { 0, 1, 0 } };
+    return cut->Along(mesh->GetPoint<2>(std::min(v0, v1)), mesh->GetPoint<2>(std::max(v0, v1)));
+  }
+
+  namespace
+  {
+    struct Common { double t0, t1; size_t first, second; };
+
+    /// Where two lists of intervals overlap by more than round-off.
+    std::vector<Common> Overlaps (const std::vector<ElementDivision::Interval> & a, const std::vector<ElementDivision::Interval> & b, double round_off)
+    {
+      std::vector<Common> common;
+      for (auto & i : a)
+        for (auto & j : b)
+          if (double t0 = std::max(i.t0, j.t0), t1 = std::min(i.t1, j.t1); t1-t0 > round_off) common.push_back({ t0, t1, i.part, j.part });
+      return common;
+    }
+  }
+
+  constexpr double edge_round_off = 4*geometric_tolerance;          // of its length
+
+  /// The element with the larger part beside the edge carries the crack, of equals the one on the plus side.
+  void CrackedMesh :: AlignEdge (size_t c, size_t edge, const std::vector<Chord> & chords)
+  {
+    ngcore::Array<int> both;
+    mesh->GetEdgeElements(edge, both);
+    auto centre = [&] (size_t element) { auto t = VerticesOf(*mesh, element); return Centre({ t.begin(), t.end() }); };
+    if (both.Size() < 2)
+      throw Exception("CrackedMesh: the crack runs along the boundary of the body near " + ToString(centre(both[0])) + "; move it inside");
+    auto [v0, v1] = mesh->GetEdgePNums(edge);
+    Point a = mesh->GetPoint<2>(std::min(v0, v1)), b = mesh->GetPoint<2>(std::max(v0, v1)), ab = b-a;
+    auto & crack = cracks[c];
+    auto side = [&] (size_t element) { return Dot(Point(centre(element)-a), crack.Normal(chords[0].piece, chords[0].s0)) > 0 ? Side::Plus : Side::Minus; };
+    auto least = [&] (size_t element)
+    {
+      auto cut = Find(element);
+      double area = Area(VerticesOf(*mesh, element));
+      for (auto & interval : Along(element, edge)) area = cut ? std::min(area, cut->sizes[interval.part]) : area;
+      return area;
+    };
+    double first = least(both[0]), second = least(both[1]);
+    bool equal = std::abs(first-second) <= 1e-8*(first+second);
+    size_t k = equal ? (side(both[0]) == Side::Plus ? 0 : 1) : first > second ? 0 : 1;
+    size_t owner = both[k], neighbour = both[1-k];
+    locations[c].Align(edge, owner);
+    auto overlaps = Overlaps(Along(owner, edge), Along(neighbour, edge), edge_round_off);
+    auto & cut = CutElementOf(owner);
+    auto & covered = cut_edges[edge].covered;
+    for (auto & chord : chords)
+      {
+        auto place = [&] (double s) { return Dot(Point(crack.PointAt(chord.piece, s)-a), ab)/Dot(ab, ab); };
+        double t0 = place(chord.s0), t1 = place(chord.s1), rate = (chord.s1-chord.s0)/(t1-t0);
+        auto [from, to] = std::minmax(t0, t1);
+        for (auto & other : covered)
+          if (std::min(other.t1, to)-std::max(other.t0, from) > edge_round_off)
+            throw Exception("CrackedMesh: two cracks coincide near " + ToString(crack.PointAt(chord.piece, 0.5*(chord.s0+chord.s1))) + "; give what they share once");
+        covered.push_back({ from, to });
+        for (auto & common : overlaps)
+          if (double u0 = std::max(common.t0, from), u1 = std::min(common.t1, to); u1-u0 > edge_round_off)
+            {
+              auto [s0, s1] = std::minmax({ chord.s0+(u0-t0)*rate, chord.s0+(u1-t0)*rate });
+              cut.AddAligned(c, { chord.piece, s0, s1 }, common.first, side(owner), { neighbour, common.second });
+            }
+      }
+  }
+
+  void CrackedMesh :: CompareNeighbours ()
+  {
+    for (auto & [element, cut] : cut_elements)
+      for (auto edge : mesh->GetElement(ElementId(VOL, element)).Edges()) cut_edges[edge];
+    for (auto & [edge, here] : cut_edges)
+      {
+        ngcore::Array<int> both;
+        mesh->GetEdgeElements(edge, both);
+        if (both.Size() < 2) continue;
+        std::set<std::array<size_t,2>> links;
+        for (auto & common : Overlaps(Along(both[0], edge), Along(both[1], edge), edge_round_off))
+          {
+            auto covered = here.covered;
+            std::ranges::sort(covered, {}, &CutEdge::Covered::t0);
+            double t = common.t0;
+            bool open = false;
+            for (auto & crack : covered)
+              {
+                open = open || std::min(crack.t0, common.t1)-t > edge_round_off;
+                t = std::max(t, crack.t1);
+              }
+            if (open || common.t1-t > edge_round_off) links.insert({ common.first, common.second });
+          }
+        here.links.assign(links.begin(), links.end());
+      }
+  }
+
+  void CrackedMesh :: DivideBoundary ()
+  {
+    for (size_t i = 0; i < mesh->GetNE(BND); i++)
+      {
+        auto el = mesh->GetElement(ElementId(BND, i));
+        ngcore::Array<int> neighbours;
+        mesh->GetEdgeElements(el.Edges()[0], neighbours);
+        auto element = std::ranges::find_if(neighbours, [&] (int number) { return Find(number); });
+        if (element == neighbours.end()) continue;
+        DividedBoundary parts;
+        auto intervals = Find(*element)->Along(mesh->GetPoint<2>(el.Vertices()[1]), mesh->GetPoint<2>(el.Vertices()[0]));
+        for (auto & [t0, t1, part] : intervals)
+          {
+            parts.ends.push_back(t1);
+            parts.sizes.push_back((t1-t0)*EdgeMap(*mesh, i).Length());
+            parts.beside.push_back({ size_t(*element), part });
+          }
+        boundary_parts.emplace(i, std::move(parts));
+      }
   }
 
   size_t CrackedMesh :: Checked (size_t crack) const
@@ -51,25 +194,6 @@ namespace ngsxfem_contact
     if (now == located_in) return;
     string how = now.deformed ? "it is moved by SetDeformation" : now.curve_order != located_in.curve_order ? "it was curved" : "it was refined";
     throw Exception("CrackedMesh: the mesh has changed since the cracks were located in it (" + how + "); build a new CrackedMesh, and all else on it anew");
-  }
-
-  void CrackedMesh :: CheckDistinct () const
-  {
-    for (size_t c = 0; c < cracks.size(); c++)
-      for (size_t d = c+1; d < cracks.size(); d++)
-        if (auto [distance, place] = Distance(cracks[c], cracks[d]); distance <= locations[c].Tolerance())
-          throw Exception("CrackedMesh: cracks " + std::to_string(c) + " and " + std::to_string(d) + " meet near "
-                          + ToString(place) + "; crossing and branching are not supported: separate them");
-  }
-
-  void CrackedMesh :: FindCutElements ()
-  {
-    std::map<size_t, std::vector<ElementCrack>> meetings;
-    for (size_t c = 0; c < cracks.size(); c++)
-      for (auto & location : locations[c].Elements())
-        meetings[location.element].push_back({ c, &location, location.kind, location.areas, Side::Plus });
-    for (auto & [element, meeting] : meetings)
-      cut_elements.emplace(element, CutElement(cracks, std::move(meeting)));
   }
 
   void CrackedMesh :: FindTips (const BodyBoundary & boundary)
@@ -124,17 +248,30 @@ namespace ngsxfem_contact
     return { Left(t), { t } };
   }
 
-  size_t CrackedMesh :: CrackAt (const ElementCracks * element, Point x) const
+  size_t CrackedMesh :: CrackAt (const ElementCracks<2> * element, Point x) const
   {
-    if (element) return static_cast<const CutElement*>(element)->CrackAt(cracks, x).crack;
+    if (element) return static_cast<const CutElement*>(element)->CrackAt(x).crack;
     return std::ranges::min_element(cracks, {}, [x] (auto & crack) { return crack.Nearest(x).distance; }) - cracks.begin();
   }
 
-  std::vector<size_t> CrackedMesh :: ElementsOf (size_t crack) const
+  std::vector<size_t> CrackedMesh :: CrackedElements () const
   {
     std::vector<size_t> elements;
-    for (auto & location : Location(crack).Elements()) elements.push_back(location.element);
+    for (auto & [element, cut] : cut_elements) elements.push_back(element);
     return elements;
+  }
+
+  const DividedBoundary * CrackedMesh :: FindBoundary (size_t bnd_element) const
+  {
+    auto it = boundary_parts.find(bnd_element);
+    return it == boundary_parts.end() ? nullptr : &it->second;
+  }
+
+  std::vector<std::array<size_t,2>> CrackedMesh :: Links (size_t edge) const
+  {
+    auto it = cut_edges.find(edge);
+    if (it == cut_edges.end()) return { { 0, 0 } };
+    return it->second.links;
   }
 
   const CutElement * CrackedMesh :: Find (size_t element) const

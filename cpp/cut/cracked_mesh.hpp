@@ -2,6 +2,7 @@
 // A mesh with its cracks: where they lie, which elements they meet, and their tips.
 
 #include "cut/crack_ends.hpp"
+#include "cut/crack_meetings.hpp"
 #include "cut/cut_element.hpp"
 #include "curve/tip_curve.hpp"
 #include <functional>
@@ -23,6 +24,23 @@ namespace ngsxfem_contact
     std::vector<std::pair<double, std::string>> distances {};    // of ∂Ω and of the other cracks
   };
 
+  /// An edge beside cracked elements: the stretches of cracks along it, from 0 to 1 times its length, and which parts of its two elements are one.
+  struct CutEdge
+  {
+    struct Covered { double t0, t1; };
+    std::vector<Covered> covered;
+    std::vector<std::array<size_t,2>> links;
+  };
+
+  /// A boundary element between the vertices v[1] (0) and v[0] (1): its parts end at `ends`, the last of which is 1.
+  class DividedBoundary final : public BoundaryParts
+  {
+  public:
+    std::vector<double> ends;
+    size_t PartAt (const ngfem::IntegrationPoint & ip) const override
+    { return std::min<size_t>(std::ranges::lower_bound(ends, ip(0)) - ends.begin(), ends.size()-1); }
+  };
+
   /// What a mesh was when cracks were located in it.
   struct MeshState
   {
@@ -40,28 +58,27 @@ namespace ngsxfem_contact
     MeshState located_in;
     std::vector<Crack> cracks;
     std::vector<std::string> notes;
-    std::vector<CrackLocation> locations;
+    std::deque<CrackLocation> locations;
     std::vector<Tip> tips;
     std::map<size_t, CutElement> cut_elements;
+    std::map<size_t, CutEdge> cut_edges;
+    std::map<size_t, DividedBoundary> boundary_parts;
 
   public:
-    /// The cracks are fitted to the body first: see FittedToBody.
-    /// Throws for a mesh that is not plane triangles, for what FittedToBody, CrackLocation and CutElement refuse, for cracks that meet, and for a
+    /// The cracks are fitted to the body and to each other first: see FittedToBody, FitToEachOther.
+    /// Throws for a mesh that is not plane triangles, for what FittedToBody, AllMeetings, CrackLocation and CutElement refuse, and for a
     /// mesh with a deformation.
     CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
 
     shared_ptr<MeshAccess> GetMesh () const override { return mesh; }
     void CheckMesh () const override;
     size_t NumCracks () const override { return cracks.size(); }
-    Side SideOf (size_t crack, Point x) const override { return cracks[crack].SideOf(x); }
     Frame<2> FrameAt (size_t crack, Point x) const override;
-    size_t CrackAt (const ElementCracks * element, Point x) const override;
+    size_t CrackAt (const ElementCracks<2> * element, Point x) const override;
     const CutElement * Find (size_t element) const override;
-    std::vector<size_t> ElementsOf (size_t crack) const override;
-    bool EndsIn (size_t crack, NodeId node, FlatArray<int> support) const override { return Location(crack).EndsIn(node, support); }
-    bool RunsAlong (size_t crack, NodeId node) const override { return Location(crack).RunsAlong(node); }
-    Side SideBeyond (size_t crack, size_t element, size_t edge) const override { return Location(crack).SideBeyond(element, edge); }
-    std::optional<Measures> BoundarySizes (size_t crack, size_t bnd_element) const override { return Location(crack).BoundarySizes(bnd_element); }
+    std::vector<size_t> CrackedElements () const override;
+    const DividedBoundary * FindBoundary (size_t bnd_element) const override;
+    std::vector<std::array<size_t,2>> Links (size_t edge) const override;
 
     /// These throw for a number that is not below NumCracks().
     const Crack & GetCrack (size_t i) const { return cracks[Checked(i)]; }
@@ -81,8 +98,14 @@ namespace ngsxfem_contact
 
   private:
     size_t Checked (size_t crack) const;
-    void CheckDistinct () const;
-    void FindCutElements ();
+    void LocateCracks (const std::vector<std::vector<double>> & meetings);
+    CutElement & CutElementOf (size_t element);
+    void AlignEdges ();
+    void AlignEdge (size_t crack, size_t edge, const std::vector<Chord> & chords);
+    void CompareNeighbours ();
+    void DivideBoundary ();
+    /// The parts of an element along an edge, from the vertex with the lower number.
+    std::vector<ElementDivision::Interval> Along (size_t element, size_t edge) const;
     void FindTips (const BodyBoundary & boundary);
     void SetClearance (Tip & tip, const BodyBoundary & boundary) const;
     void LimitByOwnCrack (const Tip & tip, const std::function<void(double, std::string)> & limit) const;

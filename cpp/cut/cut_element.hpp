@@ -1,29 +1,50 @@
 #pragma once
-// An element that cracks meet: its parts, the sides on which they lie, and the part that R_h is taken from. Where several
-// cracks meet one element, lines between them cut it apart first, and each crack divides what is left to it.
+// An element that cracks meet: its parts, the facets of Γ_C between them, and the larger part beside each facet, that R_h is taken from.
 
 #include "cut/element_location.hpp"
 
 namespace ngsxfem_contact
 {
-  struct ElementPart : Part
+  /// A stretch of Γ_C in an element, on one piece of a crack.
+  struct CrackFacet : CrackSides
   {
-    size_t crack;                     // to which side and curved refer
-    std::vector<Side> sides;          // with respect to each crack of the element
-    std::vector<bool> larger;         // for each crack: whether this belongs to the larger part beside it
+    Chord chord;
+    double length;
   };
 
-  struct CutElement : ElementCracks
+  class CutElement final : public ElementCracks<2>
   {
-    std::vector<ElementPart> parts;
+    const std::vector<Crack> & all;
+    Triangle corners;
+    ElementDivision division;
+    std::vector<CrackFacet> facets;
 
-    /// Throws where no straight line separates the cracks inside the element, and for several cracks in a curved one.
-    CutElement (const std::vector<Crack> & all, std::vector<ElementCrack> acracks);
+  public:
+    /// chords: those that divide the element. Throws as ElementDivision.
+    CutElement (const ElementMap & map, const std::vector<Crack> & aall, const std::vector<ElementChord> & chords);
 
+    size_t PartAt (const ngfem::IntegrationPoint & ip) const override;
+    CrackSides SidesAt (Point x) const override { return FacetAt(x); }
+    bool HasOneFacet () const override { return facets.size() == 1; }
+    void VisitFacets (const std::function<void(const CrackSides &, double)> & visit) const override;
+
+    const Triangle & Corners () const { return corners; }
+    const std::vector<PartTriangle> & Triangles () const { return division.Triangles(); }
+    const std::vector<CrackFacet> & Facets () const { return facets; }
+    std::vector<ElementDivision::Interval> Along (Point a, Point b) const { return division.Along(a, b); }
     /// The crack that a point of Γ_C in this element lies on.
-    const ElementCrack & CrackAt (const std::vector<Crack> & all, Point x) const;
-    /// The crack that the curved side of a part is a part of: see ElementLocation.
-    const Crack & CrackOf (const std::vector<Crack> & all, const ElementPart & part) const
-    { return Find(part.crack)->location->CrackInTriangle(all[part.crack]); }
+    const ElementCrack & CrackAt (Point x) const;
+    /// Whether a part is the larger one beside a facet of a crack, of any if there is none.
+    bool IsLarger (size_t part, std::optional<size_t> crack) const;
+    /// The same of a triangle; beside a tip those on the larger side of the crack and of the straight line ahead of it.
+    bool IsLarger (const PartTriangle & t, std::optional<size_t> crack) const;
+
+    /// A stretch of a crack along an edge, between a part, on this side of it, and one of a neighbour.
+    void AddAligned (size_t crack, const Chord & chord, size_t part, Side side, PartOfElement neighbour);
+
+  private:
+    const CrackFacet & FacetAt (Point x) const;
+    void AddFacet (size_t crack, const Chord & chord, size_t plus, size_t minus, int larger_side);
+    int LargerSideOf (const ElementChord & chord, size_t plus, size_t minus) const;
   };
 }

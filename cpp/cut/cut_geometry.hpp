@@ -4,6 +4,7 @@
 #include "curve/crack.hpp"
 #include <algorithm>
 #include <comp.hpp>
+#include <functional>
 #include <optional>
 
 namespace ngsxfem_contact
@@ -19,27 +20,48 @@ namespace ngsxfem_contact
       Aligned     // Γ_C runs along a facet that this element carries for both neighbours
     };
 
-  /// Lengths, areas or volumes on either side of a crack.
-  struct Measures
-  {
-    double plus = 0, minus = 0;
-    double & operator[] (Side side) { return side == Side::Plus ? plus : minus; }
-    Measures & operator+= (const Measures & other) { plus += other.plus; minus += other.minus; return *this; }
-    /// The side of the larger one; plus if they are equal but for round-off, so that no numbering decides.
-    Side Larger () const { return plus >= (1-1e-8)*minus ? Side::Plus : Side::Minus; }
-  };
-
   struct ElementLocation;                  // of the plane, which its rules and multipliers ask for more
 
-  /// One of the cracks that meet an element. larger: the side of the larger one of the two parts directly beside it, whose stress is R_h.
-  struct ElementCrack { size_t crack; const ElementLocation * location; ElementKind kind; Measures sizes; Side larger; };
+  /// One of the cracks that meet an element.
+  struct ElementCrack { size_t crack; const ElementLocation * location; ElementKind kind; };
+
+  /// The parts on either side of Γ_C at a point of it, the same one beside a tip.
+  struct CrackSides
+  {
+    size_t crack, plus, minus;
+    int larger_side;                                // ±1: that of the larger one of the two, whose stress is R_h
+    size_t Larger () const { return larger_side > 0 ? plus : minus; }
+  };
+
+  /// A part of an element: what is connected in it without crossing a crack.
+  struct PartOfElement
+  {
+    size_t element, part;
+    auto operator<=> (const PartOfElement &) const = default;
+  };
+
+  /// The parts of an element of the mesh, or of a boundary element: numbers from 0. Parts of neighbours that lie across a facet along which a
+  /// crack runs follow those of the element itself.
+  class ElementParts
+  {
+  public:
+    virtual ~ElementParts () = default;
+    virtual size_t NumParts () const = 0;
+    /// By NGSolve's reference coordinates.
+    virtual size_t PartAt (const ngfem::IntegrationPoint & ip) const = 0;
+  };
 
   /// An element that cracks meet. h: its longest edge.
-  struct ElementCracks
+  template <int D>
+  class ElementCracks : public ElementParts
   {
+  public:
     std::vector<ElementCrack> cracks;
     double h;
+    std::vector<double> sizes;                      // areas or volumes of its own parts
+    std::vector<PartOfElement> across;              // those of neighbours
 
+    size_t NumParts () const override { return sizes.size(); }
     bool IsShared () const { return cracks.size() > 1; }
     /// nullptr: the crack does not meet the element.
     const ElementCrack * Find (size_t crack) const
@@ -47,6 +69,21 @@ namespace ngsxfem_contact
       auto here = std::ranges::find(cracks, crack, &ElementCrack::crack);
       return here == cracks.end() ? nullptr : &*here;
     }
+    /// At x, a point of Γ_C in the element. Its parts have numbers below NumParts(), others are across[number-NumParts()].
+    virtual CrackSides SidesAt (Vec<D> x) const = 0;
+    /// Whether all points of Γ_C in the element have the same sides.
+    virtual bool HasOneFacet () const = 0;
+    /// visit(sides, measure) for the facets of Γ_C in the element.
+    virtual void VisitFacets (const std::function<void(const CrackSides &, double)> & visit) const = 0;
+  };
+
+  /// A boundary element, or one of an inner interface, that cracks divide: parts, their sizes, and of which part of a neighbour each is a facet.
+  class BoundaryParts : public ElementParts
+  {
+  public:
+    std::vector<double> sizes;
+    std::vector<PartOfElement> beside;
+    size_t NumParts () const override { return sizes.size(); }
   };
 
   /// Directions of unit length on a crack. The normal points from the minus to the plus side.
@@ -65,25 +102,18 @@ namespace ngsxfem_contact
     virtual void CheckMesh () const = 0;
     virtual size_t NumCracks () const = 0;
 
-    /// Of x with respect to a crack: Plus on the crack itself; beyond where it ends the side of some smooth continuation.
-    virtual Side SideOf (size_t crack, Vec<D> x) const = 0;
     /// At the point of a crack that is nearest to x.
     virtual Frame<D> FrameAt (size_t crack, Vec<D> x) const = 0;
     /// The crack that x, a point of Γ_C, lies on: the nearest of those that meet the element, of all if there are none (nullptr).
-    virtual size_t CrackAt (const ElementCracks * element, Vec<D> x) const = 0;
+    virtual size_t CrackAt (const ElementCracks<D> * element, Vec<D> x) const = 0;
 
-    /// nullptr for an element that no crack crosses, ends in, or runs along.
-    virtual const ElementCracks * Find (size_t element) const = 0;
-    /// The elements that a crack meets.
-    virtual std::vector<size_t> ElementsOf (size_t crack) const = 0;
-
-    /// Whether a crack ends inside the open support of the functions of a node; support: its elements.
-    virtual bool EndsIn (size_t crack, NodeId node, FlatArray<int> support) const = 0;
-    /// Whether a crack runs along a facet that the node belongs to.
-    virtual bool RunsAlong (size_t crack, NodeId node) const = 0;
-    /// The side just beyond a facet of an element that the crack meets, where the crack itself does not go.
-    virtual Side SideBeyond (size_t crack, size_t element, size_t facet) const = 0;
-    /// What lies on either side of a boundary element that the crack cuts; nothing if it does not.
-    virtual std::optional<Measures> BoundarySizes (size_t crack, size_t bnd_element) const = 0;
+    /// nullptr for an element that no crack crosses, ends in, or runs along: it is one part.
+    virtual const ElementCracks<D> * Find (size_t element) const = 0;
+    /// The elements that have such.
+    virtual std::vector<size_t> CrackedElements () const = 0;
+    /// nullptr for a boundary element that no crack divides.
+    virtual const BoundaryParts * FindBoundary (size_t bnd_element) const = 0;
+    /// Which parts of the two elements beside a facet of the mesh hang together across it, in the mesh's order of the elements.
+    virtual std::vector<std::array<size_t,2>> Links (size_t facet) const = 0;
   };
 }

@@ -1,375 +1,337 @@
 #include "cut/element_division.hpp"
+#include "cut/crossing.hpp"
 #include <algorithm>
-#include <fem.hpp>
-#include <numeric>
+#include <map>
 
 namespace ngsxfem_contact
 {
   using ngcore::Exception;
 
-  double Area (const Triangle & t) { return 0.5*std::abs(Cross(Point(t[1]-t[0]), Point(t[2]-t[0]))); }
-
-  double LongestEdge (const Triangle & t)
+  ElementDivision :: ElementDivision (const Polygon & polygon, std::vector<ElementChord> achords, double atolerance)
+    : corners(polygon), chords(std::move(achords)), tolerance(atolerance), round_off(0.01*tolerance)
   {
-    return std::max({ Norm(Point(t[1]-t[0])), Norm(Point(t[2]-t[1])), Norm(Point(t[0]-t[2])) });
+    Stretches stretches;
+    for (size_t i = 0; i < chords.size(); i++)
+      {
+        auto & [piece, s0, s1] = chords[i].here;
+        auto & curve = *chords[i].curve;
+        stretches.push_back({ i, true, s0, s1, curve.PointAt(piece, s0), curve.PointAt(piece, s1), curve.Tangent(piece, s0) });
+      }
+    Build(polygon, stretches, 40);
+    NumberParts();
+    JoinFacets();
   }
 
-  std::array<Polygon,2> Split (const Polygon & polygon, const std::vector<double> & d)
+  ElementDivision::Stretch ElementDivision :: Part (const Stretch & whole, double s0, double s1) const
   {
-    std::array<Polygon,2> parts;
-    double dmin = *std::min_element(d.begin(), d.end()), dmax = *std::max_element(d.begin(), d.end());
-    if (dmin >= 0) { parts[0] = polygon; return parts; }
-    if (dmax <= 0) { parts[1] = polygon; return parts; }
+    Stretch part = whole;
+    part.s0 = s0;
+    part.s1 = s1;
+    auto at = [&] (double s) { return IsStraight(whole) ? Point(whole.a + (s-whole.s0)*whole.direction) : CurveOf(whole).PointAt(PieceOf(whole), s); };
+    if (s0 != whole.s0) part.a = at(s0);
+    if (s1 != whole.s1) part.b = at(s1);
+    return part;
+  }
+
+  /// With what lies beyond tips inside of the polygon.
+  ElementDivision::Stretches ElementDivision :: Extended (const Stretches & stretches, const Polygon & polygon) const
+  {
+    Stretches extended;
+    for (auto & stretch : stretches)
+      {
+        auto & chord = chords[stretch.chord];
+        if (chord.starts_at_tip && stretch.s0 == chord.here.s0)
+          if (auto before = Beyond(stretch, false, polygon)) extended.push_back(*before);
+        extended.push_back(stretch);
+        if (chord.ends_at_tip && stretch.s1 == chord.here.s1)
+          if (auto after = Beyond(stretch, true, polygon)) extended.push_back(*after);
+      }
+    return extended;
+  }
+
+  /// From a tip straight on to the boundary of the polygon: there the functions of the tip are not smooth enough for one rule.
+  std::optional<ElementDivision::Stretch> ElementDivision :: Beyond (const Stretch & stretch, bool at_end, const Polygon & polygon) const
+  {
+    Point p = at_end ? stretch.b : stretch.a, onward = (at_end ? 1. : -1.)*CurveOf(stretch).Tangent(PieceOf(stretch), at_end ? stretch.s1 : stretch.s0);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < polygon.size(); i++)
+      {
+        Point corner = polygon[i], edge = polygon[(i+1) % polygon.size()]-corner;
+        if (double rate = Cross(onward, edge), t = Cross(Point(corner-p), edge)/rate; rate > 0 && t >= 0) nearest = std::min(nearest, t);
+      }
+    if (!(nearest > 2*tolerance && nearest < std::numeric_limits<double>::infinity())) return std::nullopt;
+    Point q = p + nearest*onward;
+    if (at_end) return Stretch { stretch.chord, false, stretch.s1, stretch.s1+nearest, p, q, onward };
+    return Stretch { stretch.chord, false, stretch.s0-nearest, stretch.s0, q, p, Point(-1*onward) };
+  }
+
+  /// 0 on the line.
+  double ElementDivision :: DistanceFrom (const Line & line, Point p) const
+  { return line.Snapped(p, std::ranges::any_of(corners, [&] (Point corner) { return corner(0) == p(0) && corner(1) == p(1); }) ? tolerance : round_off); }
+
+  bool ElementDivision :: AreStraight (const Stretches & stretches) const
+  { return std::ranges::all_of(stretches, [&] (auto & stretch) { return IsStraight(stretch); }); }
+
+  size_t ElementDivision :: Build (const Polygon & polygon, const Stretches & stretches, int depth)
+  {
+    if (AreStraight(stretches)) return BuildStraight(polygon, Extended(stretches, polygon));
+    auto runs = RunsOf(stretches);
+    if (runs.size() == 1)
+      if (auto crossing = MakeCrossing(polygon, Extended(stretches, polygon))) return *crossing;
+    if (depth == 0)
+      throw Exception("CrackedMesh: cracks touch each other, or turn too much, inside of an element near " + ToString(stretches[0].a) + "; refine the mesh there, or separate them");
+    auto line = LineBetween(runs);
+    return Divide(polygon, stretches, line ? *line : LineAcross(*std::ranges::max_element(runs, {}, &Run::Length)),
+                  [&] (const Polygon & half, const Stretches & some) { return Build(half, some, depth-1); });
+  }
+
+  size_t ElementDivision :: BuildStraight (const Polygon & polygon, const Stretches & stretches)
+  {
+    if (stretches.empty()) return MakeLeaf(polygon);
+    return Divide(polygon, stretches, LineThrough(stretches), [&] (const Polygon & half, const Stretches & some) { return BuildStraight(half, some); });
+  }
+
+  size_t ElementDivision :: MakeLeaf (const Polygon & polygon)
+  {
+    size_t leaf = part_of.size();
+    part_of.push_back(leaf);
+    for (auto & t : Fan(polygon)) triangles.push_back({ t, leaf, std::nullopt });
+    nodes.push_back({ Node::Leaf, leaf, {}, {}, nullptr });
+    return nodes.size()-1;
+  }
+
+  std::optional<size_t> ElementDivision :: MakeCrossing (const Polygon & polygon, const Stretches & stretches)
+  {
+    std::vector<Crossing::Stretch> curve;
+    for (auto & stretch : stretches)
+      {
+        curve.push_back({ stretch.a, stretch.b, std::nullopt });
+        if (!IsStraight(stretch)) curve.back().curved = { &CurveOf(stretch), { PieceOf(stretch), stretch.s0, stretch.s1 } };
+      }
+    Crossing crossing(polygon, std::move(curve), tolerance);
+    if (!crossing.IsWhole()) return std::nullopt;
+    auto sides = crossing.Triangles();
+    if (!sides) return std::nullopt;
+    size_t plus = part_of.size(), minus = plus+1;
+    part_of.insert(part_of.end(), { plus, minus });
+    for (int k : { 0, 1 })
+      for (auto & t : (*sides)[k])
+        {
+          triangles.push_back(t);
+          triangles.back().part = plus+k;
+        }
+    for (auto & stretch : stretches)
+      if (!stretch.real) Merge(plus, minus);
+      else facets.push_back({ stretch.chord, stretch.s0, stretch.s1, plus, minus });
+    nodes.push_back({ Node::Crossed, plus, {}, {}, crossing.Curve() });
+    return nodes.size()-1;
+  }
+
+  template <typename F>
+  size_t ElementDivision :: Divide (const Polygon & polygon, const Stretches & stretches, const Line & line, F && build)
+  {
+    std::vector<double> d;
+    for (auto & p : polygon) d.push_back(DistanceFrom(line, p));
+    auto halves = Split(polygon, d);
+    auto sorted = Sort(stretches, line);
+    size_t node = nodes.size();
+    nodes.push_back({ Node::Divided, 0, line, { no_node, no_node }, nullptr });
+    for (int k : { 0, 1 })
+      if (halves[k].size() > 2)
+        {
+          size_t child = build(halves[k], sorted[k]);
+          nodes[node].child[k] = child;
+        }
+    Compare(node, polygon, d, sorted[2]);
+    return node;
+  }
+
+  /// Those on the positive side, on the negative one, and on the line.
+  std::array<ElementDivision::Stretches,3> ElementDivision :: Sort (const Stretches & stretches, const Line & line) const
+  {
+    std::array<Stretches,3> sorted;
+    for (auto & stretch : stretches)
+      {
+        double da = line.Snapped(stretch.a, round_off), db = line.Snapped(stretch.b, round_off);
+        std::vector<double> cuts { stretch.s0, stretch.s1 };
+        if (IsStraight(stretch))
+          {
+            if (da == 0 && db == 0) { sorted[2].push_back(stretch); continue; }
+            if (da*db < 0) cuts.push_back(stretch.s0 + da/(da-db)*(stretch.s1-stretch.s0));
+          }
+        else
+          {
+            auto & curve = CurveOf(stretch);
+            double first = curve.ArcLength(PieceOf(stretch));
+            std::vector<double> parameters;
+            curve.Piece(PieceOf(stretch)).AppendCrossings(line.origin, line.normal, parameters);
+            for (double t : parameters)
+              if (double s = first + curve.Piece(PieceOf(stretch)).ArcLength(t); s > stretch.s0+tolerance && s < stretch.s1-tolerance) cuts.push_back(s);
+          }
+        std::ranges::sort(cuts);
+        for (size_t i = 0; i+1 < cuts.size(); i++)
+          {
+            auto part = Part(stretch, cuts[i], cuts[i+1]);
+            double middle = IsStraight(part) ? line.Distance(Lerp(part.a, part.b, 0.5)) : line.Distance(CurveOf(part).PointAt(PieceOf(part), 0.5*(part.s0+part.s1)));
+            sorted[middle > 0 ? 0 : 1].push_back(part);
+          }
+      }
+    return sorted;
+  }
+
+  /// The cells on both sides of the line of a node: facets of Γ_C between them, or one part.
+  void ElementDivision :: Compare (size_t node, const Polygon & polygon, const std::vector<double> & d, const Stretches & on)
+  {
+    auto [line, child] = std::pair(nodes[node].line, nodes[node].child);
+    if (child[0] == no_node || child[1] == no_node) return;
+    Point along(line.normal(1), -line.normal(0));
+    std::vector<Point> ends;
     for (size_t i = 0; i < polygon.size(); i++)
       {
         size_t j = (i+1) % polygon.size();
-        if (d[i] >= 0) parts[0].push_back(polygon[i]);
-        if (d[i] <= 0) parts[1].push_back(polygon[i]);
-        if (d[i]*d[j] < 0)
-          for (auto & part : parts)
-            part.push_back(Lerp(polygon[i], polygon[j], d[i]/(d[i]-d[j])));
+        if (d[i] == 0) ends.push_back(polygon[i]);
+        if (d[i]*d[j] < 0) ends.push_back(Lerp(polygon[i], polygon[j], d[i]/(d[i]-d[j])));
       }
-    return parts;
+    if (ends.size() < 2) return;
+    auto [first, last] = std::ranges::minmax(ends, {}, [&] (Point p) { return Dot(p, along); });
+    double length = Dot(Point(last-first), along);
+    std::array<std::vector<Passage>,2> sides;
+    std::vector<double> breaks;
+    for (int k : { 0, 1 })
+      {
+        Follow(child[k], first, last, 0, length, sides[k]);
+        for (auto & passage : sides[k]) { breaks.push_back(passage.t0); breaks.push_back(passage.t1); }
+      }
+    auto place = [&] (Point p) { return Dot(Point(p-first), along); };
+    for (auto & stretch : on) { breaks.push_back(place(stretch.a)); breaks.push_back(place(stretch.b)); }
+    std::ranges::sort(breaks);
+    auto leaf_at = [] (const std::vector<Passage> & passages, double t)
+    { return std::ranges::find_if(passages, [t] (auto & passage) { return passage.t0 <= t && t <= passage.t1; }); };
+    for (size_t i = 0; i+1 < breaks.size(); i++)
+      {
+        double t0 = breaks[i], t1 = breaks[i+1], t = 0.5*(t0+t1);
+        if (t1-t0 <= 2*tolerance) continue;
+        auto above = leaf_at(sides[0], t), below = leaf_at(sides[1], t);
+        if (above == sides[0].end() || below == sides[1].end()) continue;
+        const Stretch * crack = nullptr;
+        for (auto & stretch : on)
+          if (auto [from, to] = std::minmax({ place(stretch.a), place(stretch.b) }); stretch.real && from <= t && t <= to)
+            {
+              if (crack) throw Exception("CrackedMesh: cracks " + std::to_string(chords[crack->chord].crack) + " and " + std::to_string(chords[stretch.chord].crack)
+                                         + " coincide near " + ToString(Point(first + t*along)) + "; give what they share once");
+              crack = &stretch;
+            }
+        if (!crack) { Merge(above->leaf, below->leaf); continue; }
+        bool forward = Dot(crack->direction, along) > 0;
+        auto arclength = [&] (double at) { return crack->s0 + std::clamp((forward ? 1 : -1)*(at-place(crack->a)), 0.0, crack->s1-crack->s0); };
+        auto [s0, s1] = std::minmax({ arclength(t0), arclength(t1) });
+        bool plus_above = Dot(Left(crack->direction), line.normal) > 0;
+        facets.push_back({ crack->chord, s0, s1, plus_above ? above->leaf : below->leaf, plus_above ? below->leaf : above->leaf });
+      }
   }
 
-  std::vector<Triangle> Fan (const Polygon & polygon)
+  /// The cells along a segment on the boundary of that of a node.
+  void ElementDivision :: Follow (size_t number, Point p, Point q, double t0, double t1, std::vector<Passage> & passages) const
   {
-    std::vector<Triangle> triangles;
-    for (size_t i = 1; i+1 < polygon.size(); i++)
-      triangles.push_back({ polygon[0], polygon[i], polygon[i+1] });
-    return triangles;
+    auto & node = nodes[number];
+    if (node.kind == Node::Leaf) { passages.push_back({ t0, t1, node.leaf }); return; }
+    if (node.kind == Node::Crossed) return FollowCrossing(node, p, q, t0, t1, passages);
+    auto & child = node.child;
+    double dp = DistanceFrom(node.line, p), dq = DistanceFrom(node.line, q);
+    bool above = dp+dq > 0 || (dp+dq == 0 && child[0] != no_node);
+    if (child[0] == no_node || child[1] == no_node) above = child[0] != no_node;
+    else if (dp*dq < 0)
+      {
+        double along = dp/(dp-dq), t = t0 + along*(t1-t0);
+        Point on = Lerp(p, q, along);
+        Follow(child[dp > 0 ? 0 : 1], p, on, t0, t, passages);
+        Follow(child[dp > 0 ? 1 : 0], on, q, t, t1, passages);
+        return;
+      }
+    Follow(child[above ? 0 : 1], p, q, t0, t1, passages);
   }
 
-  Point Centre (const Polygon & polygon)
+  void ElementDivision :: FollowCrossing (const Node & node, Point p, Point q, double t0, double t1, std::vector<Passage> & passages) const
   {
-    Point sum = std::accumulate(polygon.begin(), polygon.end(), Point(0.,0.), [] (Point a, Point b) { return Point(a+b); });
-    return Point(1./polygon.size() * sum);
+    std::vector<double> cuts { 0, 1 };
+    Point d = q-p;
+    double length = Norm(d);
+    for (Point end : { node.crossing->Points().front(), node.crossing->Points().back() })
+      if (double along = Dot(Point(end-p), d)/(length*length); Distance(end, p, q) <= 2*tolerance && along*length > tolerance && (1-along)*length > tolerance)
+        cuts.push_back(along);
+    std::ranges::sort(cuts);
+    for (size_t i = 0; i+1 < cuts.size(); i++)
+      {
+        bool plus = node.crossing->SideOf(Lerp(p, q, 0.5*(cuts[i]+cuts[i+1]))) == Side::Plus;
+        passages.push_back({ t0+cuts[i]*(t1-t0), t0+cuts[i+1]*(t1-t0), node.leaf + (plus ? 0 : 1) });
+      }
   }
 
-  double Area (const Part & part, const Crack & crack)
+  size_t ElementDivision :: Root (size_t leaf) const
   {
-    if (!part.curved) return Area(part.triangle);
-    auto [piece, s0, s1] = *part.curved;
-    auto & curve = crack.Piece(piece);
-    double t0 = curve.Parameter(s0-crack.ArcLength(piece)), t1 = curve.Parameter(s1-crack.ArcLength(piece)), sum = 0;
-    for (auto & ip : ngfem::SelectIntegrationRule(ngfem::ET_SEGM, 2*curve.GaussPoints(1, t0, t1)-1))
-      {
-        double t = t0 + ip(0)*(t1-t0);
-        sum += ip.Weight() * Cross(Point(curve.Value(t)-part.triangle[0]), curve.Derivative(t));
-      }
-    return 0.5*std::abs(sum*(t1-t0));
+    while (part_of[leaf] != leaf) leaf = part_of[leaf];
+    return leaf;
   }
 
-  namespace
+  void ElementDivision :: Merge (size_t leaf, size_t other)
   {
-    /// A convex polygon divided along the straight parts of a crack in it, and beyond its ends along their lines.
-    class StraightDivision
-    {
-      const Crack & crack;
-      double tolerance;
-      struct Line { Point origin, normal; };
-      struct Segment { Line line; Point a, b; };
-      struct Region { Polygon polygon; std::vector<Segment> segments; };
-      std::vector<Region> left;
-
-    public:
-      StraightDivision (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & acrack, double atolerance)
-        : crack(acrack), tolerance(atolerance), left { { polygon, {} } }
-      {
-        double size = 0;
-        for (auto & p : polygon) size = std::max(size, 2*Norm(Point(p-polygon[0])));
-        for (auto & [piece, s0, s1] : chords)
-          {
-            // a tip: on to the other side of the polygon
-            double before = s0 <= tolerance ? size : 0, after = s1 >= crack.Length()-tolerance ? size : 0;
-            Line line { crack.Points()[piece], crack.Normal(piece, s0) };
-            left[0].segments.push_back({ line, crack.PointAt(piece, s0-before), crack.PointAt(piece, s1+after) });
-          }
-      }
-
-      std::vector<Part> Parts ()
-      {
-        std::vector<Part> parts;
-        while (!left.empty())
-          {
-            Region region = std::move(left.back());
-            left.pop_back();
-            if (!region.segments.empty()) { Divide(region); continue; }
-            Side side = crack.SideOf(Centre(region.polygon));
-            for (auto & t : Fan(region.polygon)) parts.push_back({ t, side, std::nullopt });
-          }
-        return parts;
-      }
-
-    private:
-      double Snapped (const Line & line, Point p) const
-      {
-        double d = Dot(Point(p-line.origin), line.normal);
-        return std::abs(d) <= tolerance ? 0 : d;
-      }
-
-      /// Many segments first across their middle, so that work and parts are in proportion to their number; few along their lines.
-      void Divide (const Region & region)
-      {
-        constexpr size_t few = 8;
-        auto & segments = region.segments;
-        auto & middle = segments[segments.size()/2];
-        std::array<Region,2> halves;
-        bool balanced = false;
-        if (segments.size() > few)
-          {
-            Point onward = segments.back().b-segments.front().a;
-            halves = Halves(region, { middle.a, Point(1/Norm(onward) * onward) });
-            balanced = std::max(halves[0].segments.size(), halves[1].segments.size()) <= 3*segments.size()/4;
-          }
-        if (!balanced) halves = Halves(region, middle.line);
-        for (auto & half : halves)
-          if (half.polygon.size() > 2) left.push_back(std::move(half));
-      }
-
-      /// Without the segments that lie on the line.
-      std::array<Region,2> Halves (const Region & region, const Line & line) const
-      {
-        std::array<Region,2> halves;                // on the positive and the negative side
-        std::vector<double> d;
-        for (auto & p : region.polygon) d.push_back(Snapped(line, p));
-        auto polygons = Split(region.polygon, d);
-        for (int k : { 0, 1 }) halves[k].polygon = std::move(polygons[k]);
-        for (auto & segment : region.segments)
-          {
-            double da = Snapped(line, segment.a), db = Snapped(line, segment.b);
-            if (da*db < 0)
-              {
-                Point on = Lerp(segment.a, segment.b, da/(da-db));
-                halves[da > 0 ? 0 : 1].segments.push_back({ segment.line, segment.a, on });
-                halves[da > 0 ? 1 : 0].segments.push_back({ segment.line, on, segment.b });
-              }
-            else if (da != 0 || db != 0)
-              halves[da+db > 0 ? 0 : 1].segments.push_back(segment);
-          }
-        return halves;
-      }
-    };
-
-    /// A crack that crosses a convex polygon once, from boundary to boundary, beyond a tip along its straight extension.
-    class Pass
-    {
-      const Crack & crack;
-      const Polygon & polygon;                    // counter-clockwise
-      double tolerance, size;
-      struct Stretch { Point a, b; std::optional<Chord> curved; };
-      std::vector<Stretch> stretches;                    // in the direction of travel
-
-    public:
-      Pass (const Polygon & apolygon, const std::vector<Chord> & chords, const Crack & acrack, double atolerance)
-        : crack(acrack), polygon(apolygon), tolerance(atolerance), size(0)
-      {
-        for (auto & p : polygon) size = std::max(size, Norm(Point(p-polygon[0])));
-        for (auto & chord : chords)
-          {
-            Stretch stretch { crack.PointAt(chord.piece, chord.s0), crack.PointAt(chord.piece, chord.s1), std::nullopt };
-            if (!crack.IsStraight(chord.piece)) stretch.curved = chord;
-            stretches.push_back(stretch);
-          }
-        auto & first = chords.front(), & last = chords.back();
-        if (first.s0 <= tolerance && IsInside(stretches.front().a))
-          stretches.insert(stretches.begin(), { Exit(stretches.front().a, Point(-1*crack.Tangent(first.piece, first.s0))), stretches.front().a, std::nullopt });
-        if (last.s1 >= crack.Length()-tolerance && IsInside(stretches.back().b))
-          stretches.push_back({ stretches.back().b, Exit(stretches.back().b, crack.Tangent(last.piece, last.s1)), std::nullopt });
-      }
-
-      /// Appends the triangles of both sides; false if one of them has no point that sees the whole crack.
-      bool Append (std::vector<Part> & parts) const
-      {
-        Point start = stretches.front().a, end = stretches.back().b;
-        std::vector<Part> both;
-        bool seen = AppendSide(Loop(end, start), Side::Plus, both) && AppendSide(Loop(start, end), Side::Minus, both);
-        if (seen) parts.insert(parts.end(), both.begin(), both.end());
-        return seen;
-      }
-
-    private:
-      struct Place { size_t edge; double along; };
-
-      Point Corner (size_t i) const { return polygon[i % polygon.size()]; }
-
-      Place PlaceOf (Point p) const
-      {
-        size_t best = 0;
-        for (size_t i = 1; i < polygon.size(); i++)
-          if (Distance(p, Corner(i), Corner(i+1)) < Distance(p, Corner(best), Corner(best+1))) best = i;
-        return { best, Dot(Point(p-Corner(best)), Point(Corner(best+1)-Corner(best))) };
-      }
-
-      bool IsInside (Point p) const
-      {
-        auto [edge, along] = PlaceOf(p);
-        return Distance(p, Corner(edge), Corner(edge+1)) > 2*tolerance;
-      }
-
-      /// Where the ray from a point inside leaves.
-      Point Exit (Point p, Point direction) const
-      {
-        double nearest = std::numeric_limits<double>::infinity();
-        for (size_t i = 0; i < polygon.size(); i++)
-          {
-            Point edge = Corner(i+1)-Corner(i);
-            double rate = Cross(direction, edge), t = Cross(Point(Corner(i)-p), edge)/rate;
-            if (rate > 0 && t >= 0) nearest = std::min(nearest, t);
-          }
-        return Point(p + nearest*direction);
-      }
-
-      /// The boundary of the polygon, counter-clockwise between two points of it.
-      Polygon Loop (Point from, Point to) const
-      {
-        auto a = PlaceOf(from), b = PlaceOf(to);
-        size_t n = polygon.size(), corners = (b.edge+n-a.edge) % n;
-        if (corners == 0 && b.along < a.along) corners = n;
-        Polygon loop { from };
-        for (size_t i = 1; i <= corners; i++) loop.push_back(Corner(a.edge+i));
-        loop.push_back(to);
-        return loop;
-      }
-
-      /// The least sine of the angle between the crack and the rays from A, positive if A is on the given side of all of it.
-      double Visibility (Point A, int sign) const
-      {
-        double least = 1;
-        auto see = [&] (Point p, Point tangent, bool end)
-        {
-          Point ray = p-A;
-          if (Norm(ray) <= tolerance) return;
-          double sine = sign*Cross(ray, tangent)/(Norm(ray)*Norm(tangent));
-          if (!end || sine < -1e-7) least = std::min(least, sine);       // it may touch an edge of T where it ends
-        };
-        for (auto & stretch : stretches)
-          {
-            Point d = stretch.b-stretch.a;
-            if (Norm(d) <= tolerance) continue;
-            if (!stretch.curved)
-              {
-                if (Norm(Point(A-stretch.a)) > tolerance && Norm(Point(A-stretch.b)) > tolerance) { see(stretch.a, d, false); see(stretch.b, d, false); }
-                continue;
-              }
-            for (double t : { 0.0, 0.02, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.98, 1.0 })
-              {
-                double s = stretch.curved->s0 + t*(stretch.curved->s1-stretch.curved->s0);
-                see(crack.PointAt(stretch.curved->piece, s), crack.Tangent(stretch.curved->piece, s), t == 0 || t == 1);
-              }
-          }
-        return least;
-      }
-
-      std::optional<Point> Apex (const Polygon & loop, int sign) const
-      {
-        Polygon candidates = loop;
-        for (size_t i = 0; i+1 < loop.size(); i++) candidates.push_back(Lerp(loop[i], loop[i+1], 0.5));
-        Point best = candidates[0];
-        double most = -1;
-        for (auto & p : candidates)
-          if (double v = Visibility(p, sign); v > most) { most = v; best = p; }
-        return most > 1e-9 ? std::optional(best) : std::nullopt;
-      }
-
-      double Thickness (const Polygon & loop) const
-      {
-        double thickness = 0;
-        for (auto & p : loop) thickness = std::max(thickness, crack.Nearest(p).distance);
-        return thickness;
-      }
-
-      bool AppendSide (const Polygon & loop, Side side, std::vector<Part> & parts) const
-      {
-        auto apex = Apex(loop, int(side));
-        if (!apex) return Thickness(loop) <= 10*tolerance && loop.size() <= 3;     // nothing but round-off
-        auto append = [&] (Part part)
-        { if (Area(part, crack) > 1e-18*size*size) parts.push_back(part); };
-        for (size_t i = 0; i+1 < loop.size(); i++)
-          append({ { *apex, loop[i], loop[i+1] }, side, std::nullopt });
-        for (auto & stretch : stretches)
-          append({ { *apex, stretch.a, stretch.b }, side, stretch.curved });
-        return true;
-      }
-    };
-
-    class CurvedDivision
-    {
-      const Crack & crack;
-      double tolerance;
-      std::vector<Part> & parts;
-
-    public:
-      CurvedDivision (const Crack & acrack, double atolerance, std::vector<Part> & aparts)
-        : crack(acrack), tolerance(atolerance), parts(aparts) { }
-
-      void Append (const Polygon & polygon, const std::vector<Chord> & chords, int depth)
-      {
-        if (chords.empty())
-          {
-            Side side = crack.SideOf(Centre(polygon));
-            for (auto & t : Fan(polygon)) parts.push_back({ t, side, std::nullopt });
-            return;
-          }
-        for (size_t i = 0; i+1 < chords.size(); i++)
-          if (chords[i+1].s0-chords[i].s1 > tolerance)
-            return Cut(polygon, chords, 0.5*(chords[i].s1+chords[i+1].s0), depth);
-        if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.piece); }))
-          {
-            auto divided = StraightDivision(polygon, chords, crack, tolerance).Parts();
-            parts.insert(parts.end(), divided.begin(), divided.end());
-            return;
-          }
-        if (Pass(polygon, chords, crack, tolerance).Append(parts)) return;
-        for (size_t i = 0; i+1 < chords.size(); i++)
-          if (chords[i+1].piece == chords[i].piece || crack.IsKink(chords[i+1].piece)) return Cut(polygon, chords, chords[i].s1, depth);
-        Cut(polygon, chords, 0.5*(chords.front().s0+chords.back().s1), depth);
-      }
-
-    private:
-      /// Divides along the normal of the crack at arc length s, which must not meet the crack again.
-      void Cut (const Polygon & polygon, const std::vector<Chord> & chords, double s, int depth)
-      {
-        size_t piece = crack.PieceAt(s);
-        Point m = crack.PointAt(piece, s), t = crack.Tangent(piece, s);
-        if (s == crack.ArcLength(piece+1) && piece+1 < crack.NumPieces()) t = Point(t + crack.Tangent(piece+1, s));
-        std::array<std::vector<Chord>,2> halves;              // ahead and behind
-        for (auto chord : chords)
-          {
-            if (chord.s1 > s+tolerance) halves[0].push_back({ chord.piece, std::max(chord.s0, s), chord.s1 });
-            if (chord.s0 < s-tolerance) halves[1].push_back({ chord.piece, chord.s0, std::min(chord.s1, s) });
-          }
-        bool clear = depth > 0;
-        for (int k : { 0, 1 })
-          for (auto & chord : halves[k])
-            for (int i = 0; i <= 8; i++)
-              {
-                double along = Dot(Point(crack.PointAt(chord.piece, chord.s0 + i/8.*(chord.s1-chord.s0))-m), t);
-                clear = clear && (k == 0 ? along : -along) > -2*tolerance*Norm(t);
-              }
-        if (!clear)
-          throw Exception("CrackedMesh: the crack turns too much inside of an element near " + ToString(m) + "; refine the mesh there");
-        std::vector<double> d;
-        for (auto & p : polygon)
-          {
-            double di = Dot(Point(p-m), t)/Norm(t);
-            d.push_back(std::abs(di) <= tolerance ? 0 : di);
-          }
-        auto polygons = Split(polygon, d);
-        for (int k : { 0, 1 })
-          if (polygons[k].size() > 2) Append(polygons[k], halves[k], depth-1);
-      }
-    };
+    auto [first, last] = std::minmax({ Root(leaf), Root(other) });
+    part_of[last] = first;
   }
 
-  std::vector<Part> Divide (const Polygon & polygon, const std::vector<Chord> & chords, const Crack & crack, double tolerance)
+  void ElementDivision :: NumberParts ()
   {
-    if (std::all_of(chords.begin(), chords.end(), [&] (auto & chord) { return crack.IsStraight(chord.piece); }))
-      return StraightDivision(polygon, chords, crack, tolerance).Parts();
-    Polygon oriented = polygon;
-    if (Cross(Point(oriented[1]-oriented[0]), Point(oriented[2]-oriented[0])) < 0) std::reverse(oriented.begin(), oriented.end());
-    std::vector<Part> parts;
-    CurvedDivision(crack, tolerance, parts).Append(oriented, chords, 24);
-    return parts;
+    std::map<size_t, size_t> number;
+    std::vector<size_t> numbered;
+    for (size_t leaf = 0; leaf < part_of.size(); leaf++) numbered.push_back(number.insert({ Root(leaf), number.size() }).first->second);
+    part_of = std::move(numbered);
+    areas.assign(number.size(), 0);
+    for (auto & t : triangles)
+      {
+        t.part = part_of[t.part];
+        areas[t.part] += Area(t);
+      }
+  }
+
+  void ElementDivision :: JoinFacets ()
+  {
+    for (auto & facet : facets)
+      {
+        facet.plus = part_of[facet.plus];
+        facet.minus = part_of[facet.minus];
+      }
+    std::ranges::sort(facets, {}, [] (auto & facet) { return std::pair(facet.chord, facet.s0); });
+    std::vector<Facet> joined;
+    for (auto & facet : facets)
+      if (!joined.empty() && joined.back().chord == facet.chord && joined.back().plus == facet.plus && joined.back().minus == facet.minus
+          && facet.s0-joined.back().s1 <= 2*tolerance)
+        joined.back().s1 = facet.s1;
+      else
+        joined.push_back(facet);
+    facets = std::move(joined);
+  }
+
+  size_t ElementDivision :: PartAt (Point p) const
+  {
+    size_t number = 0;
+    while (true)
+      {
+        auto & node = nodes[number];
+        if (node.kind == Node::Leaf) return part_of[node.leaf];
+        if (node.kind == Node::Crossed) return part_of[node.leaf + (node.crossing->SideOf(p) == Side::Plus ? 0 : 1)];
+        bool above = node.line.Distance(p) >= 0;
+        number = node.child[above ? 0 : 1] == no_node ? node.child[above ? 1 : 0] : node.child[above ? 0 : 1];
+      }
+  }
+
+  std::vector<ElementDivision::Interval> ElementDivision :: Along (Point a, Point b) const
+  {
+    std::vector<Passage> passages;
+    Follow(0, a, b, 0, 1, passages);
+    std::vector<Interval> intervals;
+    for (auto & [t0, t1, leaf] : passages)
+      if (size_t part = part_of[leaf]; !intervals.empty() && intervals.back().part == part) intervals.back().t1 = t1;
+      else intervals.push_back({ t0, t1, part });
+    return intervals;
   }
 }

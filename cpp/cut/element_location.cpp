@@ -1,6 +1,5 @@
 #include "cut/element_location.hpp"
 #include <algorithm>
-#include <numeric>
 
 namespace ngsxfem_contact
 {
@@ -25,22 +24,26 @@ namespace ngsxfem_contact
                         + " is not a triangle; generate the mesh without quads (quad_dominated=False)");
   }
 
-  CrackLocation :: CrackLocation (const MeshAccess & amesh, const Crack & acrack)
-    : mesh(amesh), crack(acrack)
+  CrackLocation :: CrackLocation (const MeshAccess & amesh, const Crack & acrack, std::vector<double> ameetings)
+    : mesh(amesh), crack(acrack), meetings(std::move(ameetings))
   {
     auto beside = ElementsBeside();
     double h = std::numeric_limits<double>::infinity();
     for (auto element : beside)
       h = std::min(h, LongestEdge(VerticesOf(mesh, element)));
     tolerance = geometric_tolerance * h;
-
-    std::map<size_t, std::vector<size_t>> aligned;
     for (auto element : beside)
-      LocateElement(element, aligned);
-    LocateAligned(aligned);
-    LocateEnds(beside);
+      LocateElement(element);
+    ends = { LocateEnd(0, beside), LocateEnd(crack.Length(), beside) };
+  }
+
+  void CrackLocation :: Complete ()
+  {
     for (auto & location : elements)
-      MarkDegenerate(location);
+      {
+        std::ranges::sort(location.chords, {}, &Chord::s0);
+        MarkDegenerate(location);
+      }
     CheckCovered();
     MakeIntervals();
     LocateBoundary();
@@ -57,18 +60,18 @@ namespace ngsxfem_contact
     return beside;
   }
 
-  void CrackLocation :: LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned)
+  void CrackLocation :: LocateElement (size_t element)
   {
     ElementMap map(mesh, element);
     auto & t = map.Corners();
-    ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t), {}, {}, {}, map.IsCurved(), nullptr };
-    std::vector<PiecePtr> straightened;
+    ElementLocation location { element, ElementKind::Cut, {}, t, LongestEdge(t), {}, map.IsCurved(), {} };
     for (size_t i : crack.PiecesNear(BoxAround(map)))
       for (auto & clip : ClipPiece(element, map, i))
         {
           if (clip.aligned)
             {
-              aligned[AlignedEdge(element, t, clip.chord)].push_back(element);
+              auto & along = aligned_edges[AlignedEdge(element, t, clip.chord)];
+              if (std::ranges::none_of(along, [&] (auto & chord) { return chord.piece == i; })) along.push_back(clip.chord);     // both elements see it
               continue;
             }
           bool tip = (i == 0 && clip.starts_inside) || (i+1 == crack.NumPieces() && clip.ends_inside);
@@ -76,50 +79,51 @@ namespace ngsxfem_contact
           location.degeneracy.kink_inside |= (clip.starts_inside && i > 0 && crack.IsKink(i))
             || (clip.ends_inside && i+1 < crack.NumPieces() && crack.IsKink(i+1));
           location.chords.push_back(clip.chord);
-          straightened.push_back(clip.straightened);
+          if (location.curved)
+            {
+              auto straightened = std::make_shared<const Crack>(Crack::Unchecked({ clip.straightened }));
+              location.straightened.push_back({ straightened, { 0, 0, straightened->Length() } });
+            }
         }
     if (location.chords.empty()) return;
-    CheckConnected(location);
-    if (location.curved) Straighten(location, straightened);
-    SetParts(location);
+    DivideAtMeetings(location);
     index[element] = elements.size();
     elements.push_back(std::move(location));
   }
 
-  void CrackLocation :: Straighten (ElementLocation & location, const std::vector<PiecePtr> & pieces) const
+  bool CrackLocation :: IsMeeting (double s) const
+  { return std::ranges::any_of(meetings, [&] (double meeting) { return std::abs(meeting-s) <= 2*tolerance; }); }
+
+  void CrackLocation :: DivideAtMeetings (ElementLocation & location) const
   {
-    for (size_t i = 1; i < pieces.size(); i++)
-      if (location.chords[i].s0-location.chords[i-1].s1 > tolerance)
-        throw Exception("CrackedMesh: the crack leaves a curved element and comes back " + Place(location.triangle) + "; refine the mesh there, or move the crack");
-    StraightenedCrack straightened { Crack(pieces), {} };
-    for (size_t i = 0; i < pieces.size(); i++)
-      straightened.chords.push_back({ i, straightened.crack.ArcLength(i), straightened.crack.ArcLength(i+1) });
-    location.straightened = std::make_shared<const StraightenedCrack>(std::move(straightened));
+    ElementMap map(mesh, location.element);
+    for (double s : meetings)
+      for (size_t i = 0; i < location.chords.size(); i++)
+        {
+          auto chord = location.chords[i];
+          if (s <= chord.s0+tolerance || s >= chord.s1-tolerance) continue;
+          location.chords[i].s1 = s;
+          location.chords.insert(location.chords.begin()+i+1, { chord.piece, s, chord.s1 });
+          if (!location.curved) break;
+          auto [straightened, whole] = location.straightened[i];
+          double there = straightened->ArcLength(straightened->Nearest(map.Inverse(crack.PointAt(chord.piece, s)).value()));
+          location.straightened[i].chord.s1 = there;
+          location.straightened.insert(location.straightened.begin()+i+1, { straightened, { 0, there, whole.s1 } });
+          break;
+        }
   }
 
-  /// The crack may leave an element for a moment and come back, if it does not turn much on the way: on either side of it
-  /// the element stays in one piece, as far as neighbours are taken into account.
-  void CrackLocation :: CheckConnected (const ElementLocation & location) const
+  std::vector<ElementChord> CrackLocation :: DividingChords (const ElementLocation & location, size_t number) const
   {
-    auto & chords = location.chords;
-    for (size_t i = 1; i < chords.size(); i++)
+    std::vector<ElementChord> chords;
+    auto is_tip = [&] (int end, double s) { return ends[end].kind == EndKind::Tip && s == ends[end].s; };
+    for (size_t i = 0; i < location.chords.size(); i++)
       {
-        auto & from = chords[i-1], & to = chords[i];
-        if (to.s0-from.s1 <= tolerance) continue;
-        bool onward = Dot(crack.Tangent(from.piece, from.s1), crack.Tangent(to.piece, to.s0)) > 0.5;
-        if (to.s0-from.s1 > 2*location.h || !onward)
-          throw Exception("CrackedMesh: the crack passes more than once through the element " + Place(location.triangle)
-                          + "; refine the mesh there (h below the distance of the two passes)");
+        auto & chord = location.chords[i];
+        auto & curve = location.curved ? *location.straightened[i].crack : crack;
+        chords.push_back({ number, &curve, location.curved ? location.straightened[i].chord : chord, is_tip(0, chord.s0), is_tip(1, chord.s1), IsMeeting(chord.s0) });
       }
-  }
-
-  void CrackLocation :: SetParts (ElementLocation & location) const
-  {
-    auto & in_triangle = location.CrackInTriangle(crack);
-    auto & chords = location.straightened ? location.straightened->chords : location.chords;
-    location.parts = Divide(Polygon(location.triangle.begin(), location.triangle.end()), chords, in_triangle, tolerance);
-    location.areas = {};
-    for (auto & part : location.parts) location.areas[part.side] += Area(part, in_triangle);
+    return chords;
   }
 
   size_t CrackLocation :: AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const
@@ -134,35 +138,18 @@ namespace ngsxfem_contact
     throw Exception("CrackedMesh: the element " + Place(t) + " is degenerate, its corners lie on a line; mesh the body anew");
   }
 
-  /// Both neighbours of an aligned edge see the same part of Γ_C; the larger one carries it, of equals that on the plus side.
-  void CrackLocation :: LocateAligned (const std::map<size_t, std::vector<size_t>> & aligned)
+  void CrackLocation :: Align (size_t edge, size_t owner)
   {
-    for (auto & [edge, neighbours] : aligned)
+    if (!index.count(owner))
       {
-        std::set<size_t> both(neighbours.begin(), neighbours.end());
-        auto first = VerticesOf(mesh, *both.begin()), second = VerticesOf(mesh, *both.rbegin());
-        if (both.size() < 2)
-          throw Exception("CrackedMesh: the crack runs along the boundary of the body " + Place(first) + "; move it inside");
-        bool first_is_plus = crack.SideOf(Centre({ first.begin(), first.end() })) == Side::Plus;
-        Side larger = (first_is_plus ? Measures { Area(first), Area(second) } : Measures { Area(second), Area(first) }).Larger();
-        size_t owner = (larger == Side::Plus) == first_is_plus ? *both.begin() : *both.rbegin();
-        aligned_edges.insert(edge);
-        if (!index.count(owner))
-          {
-            ElementMap map(mesh, owner);
-            ElementLocation location { owner, ElementKind::Aligned, {}, map.Corners(), LongestEdge(map.Corners()), {}, {}, {}, map.IsCurved(), nullptr };
-            SetParts(location);
-            index[owner] = elements.size();
-            elements.push_back(std::move(location));
-          }
-        auto & location = elements[index[owner]];
-        location.degeneracy.along_edge = true;
-        for (size_t i : crack.PiecesNear(BoxAround(ElementMap(mesh, owner))))
-          if (auto clip = ClipSegment(location.triangle, i); clip && clip->aligned && AlignedEdge(owner, location.triangle, clip->chord) == edge)
-            location.chords.push_back(clip->chord);
-        std::sort(location.chords.begin(), location.chords.end(), [] (auto & a, auto & b) { return a.s0 < b.s0; });
-        CheckConnected(location);
+        ElementMap map(mesh, owner);
+        index[owner] = elements.size();
+        elements.push_back({ owner, ElementKind::Aligned, {}, map.Corners(), LongestEdge(map.Corners()), {}, map.IsCurved(), {} });
       }
+    auto & location = elements[index[owner]];
+    location.degeneracy.along_edge = true;
+    auto & along = aligned_edges.at(edge);
+    location.chords.insert(location.chords.end(), along.begin(), along.end());
   }
 
   void CrackLocation :: MarkDegenerate (ElementLocation & location) const
@@ -180,16 +167,10 @@ namespace ngsxfem_contact
         }
   }
 
-  void CrackLocation :: LocateEnds (const std::vector<size_t> & beside)
-  {
-    ends[0] = LocateEnd(0, beside);
-    ends[1] = LocateEnd(crack.Length(), beside);
-  }
-
-  CrackEnd CrackLocation :: LocateEnd (double s, const std::vector<size_t> & beside)
+  CrackEnd CrackLocation :: LocateEnd (double s, const std::vector<size_t> & beside) const
   {
     Point p = crack.PointAt(s);
-    CrackEnd end { EndKind::Tip, s, p, NodeId(ngfem::NT_CELL, size_t(-1)) };
+    CrackEnd end { crack.IsClosed() || IsMeeting(s) ? EndKind::Junction : EndKind::Tip, s, p, NodeId(ngfem::NT_CELL, size_t(-1)) };
     bool found = false;
     auto place = [&] (NodeId node)     // a vertex goes before an edge, an edge before a cell
     {
@@ -213,7 +194,7 @@ namespace ngsxfem_contact
             place(NodeId(ngfem::NT_EDGE, e));
             ngcore::Array<int> neighbours;
             mesh.GetEdgeElements(e, neighbours);
-            if (neighbours.Size() == 1) end.kind = EndKind::Mouth;
+            if (neighbours.Size() == 1) end.kind = EndKind::Mouth;      // ∂Ω goes before another crack
           }
         auto side = [&] (int i) { return Cross(Point(t[(i+1)%3]-t[i]), Point(p-t[i])) > 0; };
         if (side(0) == side(1) && side(1) == side(2)) place(NodeId(ngfem::NT_CELL, element));
@@ -251,11 +232,21 @@ namespace ngsxfem_contact
             auto v = mesh.GetElement(ElementId(BND, it->second)).Vertices();
             Point a = mesh.GetPoint<2>(v[0]), b = mesh.GetPoint<2>(v[1]);
             ElementMap map(mesh, location.element);
-            for (double s : { location.S0(), location.S1() })
-              if (auto p = map.Inverse(crack.PointAt(s)); p && Distance(*p, a, b) <= 2*tolerance
-                  && Norm(Point(*p-a)) > 2*tolerance && Norm(Point(*p-b)) > 2*tolerance)
-                boundary_edges[it->second] = { it->second, a, b, crack.PointAt(s), Norm(Point(*p-a))/Norm(Point(b-a)) };
+            for (auto & chord : location.chords)
+              for (double s : { chord.s0, chord.s1 })
+                if (auto p = map.Inverse(crack.PointAt(s)); p && Distance(*p, a, b) <= 2*tolerance
+                    && Norm(Point(*p-a)) > 2*tolerance && Norm(Point(*p-b)) > 2*tolerance)
+                  AddBoundaryEdge({ it->second, a, b, crack.PointAt(s), Norm(Point(*p-a))/Norm(Point(b-a)) });
           }
+  }
+
+  /// Neighbours see the same crossing.
+  void CrackLocation :: AddBoundaryEdge (const CutBoundaryEdge & edge)
+  {
+    auto [known, last] = boundary_edges.equal_range(edge.element);
+    for (; known != last; ++known)
+      if (Norm(Point(known->second.crossing-edge.crossing)) <= 4*tolerance) return;
+    boundary_edges.insert({ edge.element, edge });
   }
 
   void CrackLocation :: MakeIntervals ()
@@ -281,45 +272,5 @@ namespace ngsxfem_contact
   {
     auto it = index.find(element);
     return it == index.end() ? nullptr : &elements[it->second];
-  }
-
-  bool CrackLocation :: EndsIn (NodeId node, FlatArray<int> support) const
-  {
-    for (auto & end : ends)
-      {
-        if (end.kind != EndKind::Tip) continue;
-        if (end.node == node) return true;
-        if (end.node.GetType() == ngfem::NT_CELL && support.Contains(int(end.node.GetNr()))) return true;
-        if (end.node.GetType() == ngfem::NT_EDGE && HasVertex(end.node.GetNr(), node)) return true;
-      }
-    return false;
-  }
-
-  bool CrackLocation :: RunsAlong (NodeId node) const
-  { return std::ranges::any_of(aligned_edges, [&] (size_t edge) { return node == NodeId(ngfem::NT_EDGE, edge) || HasVertex(edge, node); }); }
-
-  bool CrackLocation :: HasVertex (size_t edge, NodeId node) const
-  {
-    auto [v0, v1] = mesh.GetEdgePNums(edge);
-    return node == NodeId(ngfem::NT_VERTEX, v0) || node == NodeId(ngfem::NT_VERTEX, v1);
-  }
-
-  Side CrackLocation :: SideBeyond (size_t element, size_t edge) const
-  {
-    // the crack may run along the edge
-    ElementMap map(mesh, element);
-    auto [v0, v1] = mesh.GetEdgePNums(edge);
-    auto & t = map.Corners();
-    return crack.SideOf(map.Value(Lerp(Centre({ t[0], t[1], t[2] }), Lerp(mesh.GetPoint<2>(v0), mesh.GetPoint<2>(v1), 0.5), 1.001)));
-  }
-
-  std::optional<Measures> CrackLocation :: BoundarySizes (size_t bnd_element) const
-  {
-    auto it = boundary_edges.find(bnd_element);
-    if (it == boundary_edges.end()) return std::nullopt;
-    auto & [element, a, b, crossing, along] = it->second;
-    Measures sizes;
-    for (Point end : { a, b }) sizes[crack.SideOf(Lerp(end, crossing, 0.5))] += Norm(Point(crossing-end));
-    return sizes;
   }
 }

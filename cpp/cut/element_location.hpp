@@ -1,8 +1,10 @@
 #pragma once
-// Where each element lies with respect to one crack, and the triangles that a crack divides it into.
+// Where each element lies with respect to one crack.
 
 #include "cut/cut_geometry.hpp"
+#include "cut/element_division.hpp"
 #include "cut/element_map.hpp"
+#include <deque>
 #include <map>
 #include <set>
 
@@ -11,11 +13,9 @@ namespace ngsxfem_contact
   /// The special positions. A position that holds to within geometric_tolerance counts as exact.
   struct Degeneracy { bool through_vertex = false, along_edge = false, tip_on_edge = false, tip_on_vertex = false, kink_inside = false; };
 
-  /// The part of Γ_C in a curved element, in the coordinates of its straight triangle (ElementMap), as a crack of its own.
-  struct StraightenedCrack { Crack crack; std::vector<Chord> chords; };
+  /// A chord in a curved element, in the coordinates of its straight triangle (ElementMap), there on a crack of its own.
+  struct StraightenedChord { shared_ptr<const Crack> crack; Chord chord; };
 
-  /// Of a curved element all but the chords refers to its straight triangle: the areas, and the parts, whose curved sides are stretches of
-  /// the straightened crack.
   struct ElementLocation
   {
     size_t element;
@@ -23,13 +23,9 @@ namespace ngsxfem_contact
     Degeneracy degeneracy;
     Triangle triangle;
     double h;                       // longest edge
-    std::vector<Chord> chords;      // in the order of arc length; the crack may leave T for a moment between two of them
-    std::vector<Part> parts;
-    Measures areas;
+    std::vector<Chord> chords;      // in the order of arc length; the crack may leave T between two of them
     bool curved;
-    shared_ptr<const StraightenedCrack> straightened;       // where the crack crosses or ends in a curved element
-    /// The crack that the parts refer to.
-    const Crack & CrackInTriangle (const Crack & crack) const { return straightened ? straightened->crack : crack; }
+    std::vector<StraightenedChord> straightened;       // the same chords, of a curved element
     double S0 () const { return chords.front().s0; }
     double S1 () const { return chords.back().s1; }
   };
@@ -38,9 +34,10 @@ namespace ngsxfem_contact
   /// along: from a (0) to b (1), in the coordinates of the straight edge.
   struct CutBoundaryEdge { size_t element; Point a, b, crossing; double along; };
 
-  enum class EndKind { Tip, Mouth };
+  enum class EndKind { Tip, Mouth, Junction };
 
-  /// An end of Γ_C: a tip (inside the body) or a mouth (on its boundary), and the mesh node that it lies on or in.
+  /// An end of a crack: a tip (inside the body), a mouth (on its boundary) or a junction (on another crack, or where a closed crack starts), and
+  /// the mesh node that it lies on or in.
   struct CrackEnd { EndKind kind; double s; Point point; ngfem::NodeId node; };
 
   /// One crack in one mesh. Work is proportional to the number of elements, with a bounding box test each.
@@ -48,31 +45,36 @@ namespace ngsxfem_contact
   {
     const MeshAccess & mesh;
     const Crack & crack;
+    std::vector<double> meetings;                    // arc lengths at which it meets others
     double tolerance;                                // geometric_tolerance × the smallest h_T beside the crack
-    std::vector<ElementLocation> elements;           // Cut, Tip and Aligned
+    std::deque<ElementLocation> elements;            // Cut, Tip and Aligned
     std::map<size_t, size_t> index;                  // element number → position in elements
-    std::map<size_t, CutBoundaryEdge> boundary_edges;
-    std::set<size_t> aligned_edges;
+    std::multimap<size_t, CutBoundaryEdge> boundary_edges;
+    std::map<size_t, std::vector<Chord>> aligned_edges;
     std::array<CrackEnd,2> ends;
     /// A chord, and the largest s1 of those up to it, sorted by s0.
     struct Interval { double s0, s1, reach; size_t location; };
     std::vector<Interval> intervals;
 
   public:
-    /// Throws for a crack that leaves the body or lies outside of it, runs along its boundary, or passes twice through one element (but it
-    /// may leave a straight one for a moment).
-    CrackLocation (const MeshAccess & amesh, const Crack & acrack);
+    /// ameetings: the arc lengths at which the crack meets others; chords end there.
+    /// Throws for a crack that leaves the body or lies outside of it, or runs along its boundary.
+    CrackLocation (const MeshAccess & amesh, const Crack & acrack, std::vector<double> ameetings);
 
-    const std::vector<ElementLocation> & Elements() const { return elements; }
+    const std::deque<ElementLocation> & Elements() const { return elements; }
     const ElementLocation * Find (size_t element) const;
     /// The element that carries arc length s, or is nearest to it; of two that meet there the one in which the crack ends.
     const ElementLocation & At (double s) const;
-    const std::map<size_t, CutBoundaryEdge> & BoundaryEdges() const { return boundary_edges; }
-    /// See CutGeometry.
-    bool EndsIn (NodeId node, FlatArray<int> support) const;
-    bool RunsAlong (NodeId node) const;
-    Side SideBeyond (size_t element, size_t edge) const;
-    std::optional<Measures> BoundarySizes (size_t bnd_element) const;
+    const std::multimap<size_t, CutBoundaryEdge> & BoundaryEdges() const { return boundary_edges; }
+    /// The edges along which the crack runs, with the chords on them.
+    const std::map<size_t, std::vector<Chord>> & AlignedEdges() const { return aligned_edges; }
+    /// One of the two elements beside such an edge carries the crack for both.
+    void Align (size_t edge, size_t element);
+    /// To be called when all such edges have an element. Throws for a crack of which a part is in no element.
+    void Complete ();
+    /// What divides an element, if this is the crack with a number. To be asked for before Align.
+    std::vector<ElementChord> DividingChords (const ElementLocation & location, size_t number) const;
+    const std::vector<double> & Meetings() const { return meetings; }
     const std::array<CrackEnd,2> & Ends() const { return ends; }
     double Tolerance() const { return tolerance; }
 
@@ -84,19 +86,16 @@ namespace ngsxfem_contact
     std::vector<Inside> RangesInside (const CurvePiece & piece, size_t element, const Triangle & t) const;
     std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t piece) const;
     std::vector<Clip> ClipInCurved (size_t element, const ElementMap & map, size_t piece) const;
-    void Straighten (ElementLocation & location, const std::vector<PiecePtr> & pieces) const;
+    void DivideAtMeetings (ElementLocation & location) const;
     std::vector<size_t> ElementsBeside () const;
-    void LocateElement (size_t element, std::map<size_t, std::vector<size_t>> & aligned);
-    void SetParts (ElementLocation & location) const;
-    void LocateAligned (const std::map<size_t, std::vector<size_t>> & aligned);
+    void LocateElement (size_t element);
     size_t AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const;
-    void LocateEnds (const std::vector<size_t> & beside);
-    CrackEnd LocateEnd (double s, const std::vector<size_t> & beside);
+    CrackEnd LocateEnd (double s, const std::vector<size_t> & beside) const;
+    bool IsMeeting (double s) const;
     void LocateBoundary ();
+    void AddBoundaryEdge (const CutBoundaryEdge & edge);
     void CheckCovered () const;
     void MakeIntervals ();
-    bool HasVertex (size_t edge, NodeId node) const;
-    void CheckConnected (const ElementLocation & location) const;
     void MarkDegenerate (ElementLocation & location) const;
   };
 

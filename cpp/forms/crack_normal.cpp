@@ -34,7 +34,7 @@ namespace ngsxfem_contact
   double CrackLabel :: At (size_t element, Point x) const
   {
     auto cut = body->Find(element);
-    return cut ? label(*cut->Find(body->CrackAt(cut, x))) : 0;
+    return cut ? label(cut->SidesAt(x)) : 0;
   }
 
   double CrackLabel :: Evaluate (const BaseMappedIntegrationPoint & ip) const
@@ -49,6 +49,22 @@ namespace ngsxfem_contact
     size_t element = mir.GetTransformation().GetElementNr();
     for (size_t i = 0; i < mir.Size(); i++)
       values(0, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane])); });
+  }
+
+  double LargerPart :: At (size_t element, const IntegrationPoint & ip) const
+  {
+    auto cut = body->Find(element);
+    return cut && cut->IsLarger(cut->PartAt(ip), std::nullopt);
+  }
+
+  double LargerPart :: Evaluate (const BaseMappedIntegrationPoint & mip) const
+  { return At(mip.GetTransformation().GetElementNr(), mip.IP()); }
+
+  void LargerPart :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  {
+    size_t element = mir.GetTransformation().GetElementNr();
+    for (size_t i = 0; i < mir.Size(); i++)
+      values(0, i) = SIMD<double>([&] (int lane) { return At(element, IntegrationPoint(mir.IR()[i](0)[lane], mir.IR()[i](1)[lane], 0, 0)); });
   }
 
   CrackLimit :: CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside)
@@ -68,8 +84,8 @@ namespace ngsxfem_contact
     Point x(ip.GetPoint()(0), ip.GetPoint()(1));
     auto cut = body->Find(ip.GetTransformation().GetElementNr());
     if (!cut) return function->Evaluate(bip, result);
-    size_t crack = body->CrackAt(cut, x);
-    Point step = 1e-6*(side ? side : int(cut->Find(crack)->larger))*cut->h*body->FrameAt(crack, x).normal;
+    auto sides = cut->SidesAt(x);
+    Point step = 1e-6*(side ? side : sides.larger_side)*cut->h*body->FrameAt(sides.crack, x).normal;
     Vec<2> off = ip.GetJacobianInverse() * Vec<2>(step(0), step(1));
     auto at = [&] (double factor, FlatVector<> values)
     {

@@ -25,10 +25,10 @@ namespace ngsxfem_contact
     Point At (size_t element, Point x) const;
   };
 
-  /// A number that belongs to a crack in an element, at points of Γ_C; 0 in elements that no crack meets.
+  /// A number that belongs to a point of Γ_C; 0 in elements that no crack meets.
   class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
   {
-    using Label = std::function<double(const ElementCrack &)>;
+    using Label = std::function<double(const CrackSides &)>;
     shared_ptr<const CrackedMesh> body;
     Label label;
   public:
@@ -38,6 +38,19 @@ namespace ngsxfem_contact
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
   private:
     double At (size_t element, Point x) const;
+  };
+
+  /// 1 in the larger parts beside Γ_C, 0 elsewhere, by the position of a point.
+  class LargerPart : public ngfem::CoefficientFunctionNoDerivative
+  {
+    shared_ptr<const CrackedMesh> body;
+  public:
+    explicit LargerPart (shared_ptr<const CrackedMesh> abody) : CoefficientFunctionNoDerivative(1), body(abody) { }
+    using CoefficientFunctionNoDerivative::Evaluate;
+    double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
+    void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
+  private:
+    double At (size_t element, const ngfem::IntegrationPoint & ip) const;
   };
 
   /// The limit of a function on Γ_C from one side, for functions that jump there: ±1, or 0 for the side of the larger part. It is extrapolated from two

@@ -93,20 +93,22 @@ namespace ngsxfem_contact
       }
 
       /// Halved where it meets two disks; then the disk nearer to the crack's part decides.
-      void AppendCurvedPart (const Part & part, const Crack & crack, PointRule & rule, int depth = 3) const
+      void AppendCurvedPart (const PartTriangle & part, PointRule & rule, int depth = 3) const
       {
         auto near = TipsNear(part.triangle);
-        auto [piece, s0, s1] = *part.curved;
-        if (near.empty()) return AppendCone(part, crack, order, rule);
+        if (near.empty()) return AppendCone(part, order, rule);
+        auto & [curve, chord] = *part.curved;
+        auto [piece, s0, s1] = chord;
         double middle = 0.5*(s0+s1);
-        Point apex = part.triangle[0], m = crack.PointAt(piece, middle);
+        Point apex = part.triangle[0], m = curve->PointAt(piece, middle);
+        auto half = [&] (Point a, Point b, double from, double to) { return PartTriangle { { apex, a, b }, part.part, PartTriangle::CurvedSide { curve, { piece, from, to } } }; };
         if (near.size() > 1 && depth > 0)
           {
-            AppendCurvedPart({ { apex, part.triangle[1], m }, part.side, Chord { piece, s0, middle } }, crack, rule, depth-1);
-            AppendCurvedPart({ { apex, m, part.triangle[2] }, part.side, Chord { piece, middle, s1 } }, crack, rule, depth-1);
+            AppendCurvedPart(half(part.triangle[1], m, s0, middle), rule, depth-1);
+            AppendCurvedPart(half(m, part.triangle[2], middle, s1), rule, depth-1);
           }
         else
-          AppendConeNearTip(part, crack, order, *Nearest(near, m), rule);
+          AppendConeNearTip(part, order, *Nearest(near, m), rule);
       }
 
       template <typename F>
@@ -119,9 +121,9 @@ namespace ngsxfem_contact
         return std::make_unique<ElementRule>(std::move(ir));
       }
 
-      void AppendElementPart (const CutElement & cut, const ElementPart & part, PointRule & rule) const
+      void AppendPartTriangle (const PartTriangle & part, PointRule & rule) const
       {
-        if (part.curved) AppendCurvedPart(part, cut.CrackOf(body.Cracks(), part), rule);
+        if (part.curved) AppendCurvedPart(part, rule);
         else AppendPart(part.triangle, rule);
       }
 
@@ -140,16 +142,9 @@ namespace ngsxfem_contact
         points.reserve(2048);                                // near a tip
         if (auto cut = body.Find(element))
           {
-            auto belongs = [&] (const ElementPart & part)
-            {
-              if (kind.domain == Domain::Bulk) return true;
-              for (size_t k = 0; k < cut->cracks.size(); k++)
-                if (part.larger[k] && (!kind.crack || cut->cracks[k].crack == *kind.crack)) return true;
-              return false;
-            };
             auto maker = map.IsCurved() ? Raised() : *this;
-            for (auto & part : cut->parts)
-              if (belongs(part)) maker.AppendElementPart(*cut, part, points);
+            for (auto & part : cut->Triangles())
+              if (kind.domain == Domain::Bulk || cut->IsLarger(part, kind.crack)) maker.AppendPartTriangle(part, points);
           }
         else
           AppendPart(map.Corners(), points);
@@ -177,25 +172,23 @@ namespace ngsxfem_contact
         return table;
       }
 
-      void AppendCrack (const ElementLocation & location, const Crack & crack, const std::vector<double> & division, PointRule & rule) const
+      void AppendFacet (const CutElement & cut, const CrackFacet & facet, const std::vector<double> & division, PointRule & rule) const
       {
-        auto near = TipsNear(location.triangle);
-        double tolerance = geometric_tolerance*location.h;
-        for (auto & chord : location.chords)
+        auto & crack = body.GetCrack(facet.crack);
+        auto near = TipsNear(cut.Corners());
+        auto [piece, s0, s1] = facet.chord;
+        double tolerance = geometric_tolerance*cut.h;
+        std::vector<double> cuts { s0, s1 };
+        auto divide = [&] (double s) { if (s > s0+tolerance && s < s1-tolerance) cuts.push_back(s); };
+        for (auto s = std::ranges::lower_bound(division, s0); s != division.end() && *s < s1; ++s) divide(*s);
+        if (near.size() > 1) divide(0.5*crack.Length());      // a crack inside one element: a tip at either end
+        std::sort(cuts.begin(), cuts.end());
+        for (size_t i = 0; i+1 < cuts.size(); i++)
           {
-            std::vector<double> cuts { chord.s0, chord.s1 };
-            auto cut = [&] (double s) { if (s > chord.s0+tolerance && s < chord.s1-tolerance) cuts.push_back(s); };
-            for (auto s = std::ranges::lower_bound(division, chord.s0); s != division.end() && *s < chord.s1; ++s) cut(*s);
-            if (near.size() > 1) cut(0.5*crack.Length());      // a crack inside one element: a tip at either end
-            std::sort(cuts.begin(), cuts.end());
-            for (size_t i = 0; i+1 < cuts.size(); i++)
-              {
-                auto at = [&] (double s) { return crack.PointAt(chord.piece, s); };
-                Point a = at(cuts[i]), b = at(cuts[i+1]);
-                auto tip = Nearest(near, Lerp(a, b, 0.5));
-                if (crack.IsStraight(chord.piece)) AppendSegment(a, b, order, tip, location.h, rule);
-                else AppendCurve(crack, { chord.piece, cuts[i], cuts[i+1] }, order, tip, location.h, rule);
-              }
+            Point a = crack.PointAt(piece, cuts[i]), b = crack.PointAt(piece, cuts[i+1]);
+            auto tip = Nearest(near, Lerp(a, b, 0.5));
+            if (crack.IsStraight(piece)) AppendSegment(a, b, order, tip, cut.h, rule);
+            else AppendCurve(crack, { piece, cuts[i], cuts[i+1] }, order, tip, cut.h, rule);
           }
       }
 
@@ -209,9 +202,8 @@ namespace ngsxfem_contact
             ElementMap map(mesh, element);
             auto maker = map.IsCurved() ? Raised() : *this;
             PointRule points;
-            for (auto & here : cut.cracks)
-              if (!kind.crack || *kind.crack == here.crack)
-                maker.AppendCrack(*here.location, body.GetCrack(here.crack), division.On(here.crack), points);
+            for (auto & facet : cut.Facets())
+              if (!kind.crack || *kind.crack == facet.crack) maker.AppendFacet(cut, facet, division.On(facet.crack), points);
             table->Add(element, MakeRule(points, [&] (Point x, double weight) { return map.PhysicalInReference(x, weight); }));
           }
         return table;

@@ -55,7 +55,7 @@ namespace ngsxfem_contact
       std::vector<double> cuts { 0 };
 
     public:
-      CrackSweep (const Part & part, int order, const TipQuadrature & atip, PointRule & arule)
+      CrackSweep (const PartTriangle & part, int order, const TipQuadrature & atip, PointRule & arule)
         : tip(atip), sign(0), n_radial(tip.RadialPoints(order)), n_angular(14+order/2+int(-0.5*log10(tip.tolerance))), rule(arule)
       {
         auto corners = part.triangle;
@@ -191,21 +191,21 @@ namespace ngsxfem_contact
     };
   }
 
-  void AppendCone (const Part & part, const Crack & crack, int order, PointRule & rule)
+  void AppendCone (const PartTriangle & part, int order, PointRule & rule)
   {
     Point apex = part.triangle[0];
-    Stretch(crack, *part.curved).Visit(order+1, [&] (Point p, Point dp)
+    Stretch(*part.curved->curve, part.curved->chord).Visit(order+1, [&] (Point p, Point dp)
     {
       double jacobian = std::abs(Cross(Point(p-apex), dp));
       Gauss(0, 1, order/2+2, [&] (double rho, double w) { rule.push_back({ Lerp(apex, p, rho), w*rho*jacobian }); });
     });
   }
 
-  void AppendConeNearTip (const Part & part, const Crack & crack, int order, const TipQuadrature & tip, PointRule & rule)
+  void AppendConeNearTip (const PartTriangle & part, int order, const TipQuadrature & tip, PointRule & rule)
   {
-    if (auto gauss = GaussOrder(part.triangle, order, tip)) AppendCone(part, crack, *gauss, rule);
-    else if (BelongsTo(crack, *part.curved, tip)) CrackSweep(part, order, tip, rule).Append();
-    else AppendCone(part, crack, 24, rule);
+    if (auto gauss = GaussOrder(part.triangle, order, tip)) AppendCone(part, *gauss, rule);
+    else if (BelongsTo(*part.curved->curve, part.curved->chord, tip)) CrackSweep(part, order, tip, rule).Append();
+    else AppendCone(part, 24, rule);
   }
 
   void AppendCurve (const Crack & crack, const Chord & chord, int order, const TipQuadrature * tip, double break_distance, PointRule & rule)

@@ -198,26 +198,6 @@ namespace ngsxfem_contact
     return 2*NumScalar() + component*NumHeaviside() + j;
   }
 
-  int CrackFESpace :: HeavisideSide (size_t j, size_t element) const
-  {
-    auto & sides = SupportOf(j).sides;
-    auto it = sides.find(element);
-    if (it == sides.end()) throw Exception("CrackFESpace: element " + ngcore::ToString(element) + " is not in the support of Heaviside function " + ngcore::ToString(j));
-    return it->second;
-  }
-
-  int CrackFESpace :: SideOfBoundaryElement (size_t element, const Support & support) const
-  {
-    if (Geometry().BoundarySizes(support.crack, element)) return 0;
-    auto el = ma->GetElement(ElementId(BND, element));
-    Array<int> neighbours;
-    ma->GetEdgeElements(el.Edges()[0], neighbours);
-    for (auto neighbour : neighbours)
-      if (auto it = support.sides.find(neighbour); it != support.sides.end() && it->second != 0) return it->second;
-    auto v = el.Vertices();
-    return int(Geometry().SideOf(support.crack, Lerp(ma->GetPoint<2>(v[0]), ma->GetPoint<2>(v[1]), 0.5)));
-  }
-
   void CrackFESpace :: CollectHeaviside (VorB vb)
   {
     std::multimap<DofId, size_t> of_dof;
@@ -234,12 +214,10 @@ namespace ngsxfem_contact
       for (size_t local = 0; local < dofs.Size(); local++)
         for (auto [it, last] = of_dof.equal_range(dofs[local]); it != last; ++it)
           {
-            auto & support = SupportOf(it->second);
-            int side = vb == VOL ? HeavisideSide(it->second, element) : SideOfBoundaryElement(element, support);
-            HeavisideFunction function { int(local), support.shift, support.crack, side };
+            HeavisideFunction function { int(local), Factors(CopyOf(it->second), ElementId(vb, element)) };
             // without a trace on a boundary element it is no unknown of it: a Dirichlet condition must not fix it
-            if (vb == BND && side && function.Value(side) == 0) continue;
-            found.functions.push_back(function);
+            if (vb == BND && std::ranges::none_of(function.factors, [] (int factor) { return factor; })) continue;
+            found.functions.push_back(std::move(function));
             found.global.push_back(it->second);
           }
       if (found.functions.empty()) return;
@@ -252,7 +230,7 @@ namespace ngsxfem_contact
       {
         std::set<size_t> elements;
         for (auto & support : supports)
-          for (auto [element, side] : support.sides) elements.insert(element);
+          elements.insert(support.elements.begin(), support.elements.end());
         for (auto element : elements) collect(element);
       }
   }
@@ -341,9 +319,10 @@ namespace ngsxfem_contact
     if (ei.VB() > BND) return fe;
     auto & jumps = HeavisideOf(ei).functions;
     auto & singular = TipsOf(ei).functions;
-    bool located = ei.VB() == VOL && !(jumps.empty() && singular.empty());
-    return *new (alloc) CrackFiniteElement
-      (static_cast<BaseScalarFiniteElement&>(fe), View(jumps), View(singular), *body, located ? body->Find(ei.Nr()) : nullptr);
+    bool jumps_here = !(jumps.empty() && singular.empty());
+    auto cut = jumps_here && ei.VB() == VOL ? body->Find(ei.Nr()) : nullptr;
+    const ElementParts * parts = jumps_here && ei.VB() == BND ? static_cast<const ElementParts*>(body->FindBoundary(ei.Nr())) : cut;
+    return *new (alloc) CrackFiniteElement (static_cast<BaseScalarFiniteElement&>(fe), View(jumps), View(singular), parts, cut);
   }
 
   void CrackFESpace :: GetComponent (ElementId ei, Array<DofId> & functions) const

@@ -18,14 +18,21 @@ namespace ngsxfem_contact
     shared_ptr<const BodyRules> rules;                // for these functions
     std::vector<size_t> first_tip_dof;
 
+    /// The parts of the elements around a node: which of them hang together.
     struct Support
     {
-      size_t crack;
-      int shift;                                      // s_i
-      std::map<size_t, int> sides;                    // of its elements; 0: the crack divides it or runs along it
+      std::vector<size_t> elements, first;            // first[i]: the number of the first part of the i-th element
+      std::vector<size_t> component;                  // of each part
+      std::vector<double> sizes;                      // of the components
+      size_t base;                                    // the component on which φ_i has no copy
+      /// Of an element of the support.
+      std::optional<size_t> ComponentOf (PartOfElement part) const;
     };
     std::vector<Support> supports;
-    struct Enrichment { DofId dof; size_t support; };
+    /// A copy of φ_i on one component, where it is sign × φ_i.
+    struct Copy { size_t support, component; int sign; size_t crack; };
+    std::vector<Copy> copies;
+    struct Enrichment { DofId dof; size_t copy; };
     std::vector<Enrichment> enrichment;               // N_H
     struct HeavisideFunctions
     {
@@ -71,11 +78,12 @@ namespace ngsxfem_contact
     size_t NumScalar () const { return scalar->GetNDof(); }
     size_t NumHeaviside () const { return enrichment.size(); }
     DofId HeavisideDof (size_t j, int component) const;
-    /// The number of φ_i, and s_i, of the j-th Heaviside function.
-    std::pair<DofId, int> Heaviside (size_t j) const { return { At(j).dof, SupportOf(j).shift }; }
-    size_t HeavisideCrack (size_t j) const { return SupportOf(j).crack; }
-    /// Of an element in the support: +1, -1, or 0 if the crack divides it or runs along it.
-    int HeavisideSide (size_t j, size_t element) const;
+    /// The number of φ_i, and s_i, of the j-th Heaviside function: the side of the largest component as its own one sees it.
+    std::pair<DofId, int> Heaviside (size_t j) const { return { At(j).dof, -CopyOf(j).sign }; }
+    /// The crack beside its component.
+    size_t HeavisideCrack (size_t j) const { return CopyOf(j).crack; }
+    /// The factors of φ_i on the parts of an element in the support. Throws for another element.
+    std::vector<signed char> HeavisideFactors (size_t j, size_t element) const;
     std::vector<DofId> TipDofs (size_t tip) const;
     /// For each boundary region the functions of either component with a trace on it, sorted. Those of tips vanish there.
     std::vector<std::array<std::vector<DofId>,2>> BoundaryDofs () const;
@@ -91,14 +99,21 @@ namespace ngsxfem_contact
     const CutGeometry<2> & Geometry () const { return *body; }
     void SetTips (const std::vector<std::optional<TipSpec>> & specs);
     void FindEnrichment ();
-    void EnrichNode (ngcomp::NodeId node, size_t crack);
+    void EnrichNode (ngcomp::NodeId node);
     Array<int> ElementsOf (ngcomp::NodeId node) const;
-    const ElementCrack * MetBy (size_t crack, size_t element) const;
-    bool IsCrossed (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
-    std::map<size_t, int> SupportSides (ngcomp::NodeId node, FlatArray<int> support, size_t crack) const;
-    Measures SupportAreas (const std::map<size_t, int> & sides, size_t crack) const;
+    Support SupportOf (ngcomp::NodeId node) const;
+    void CheckHinge (ngcomp::NodeId node, const Support & support) const;
+    /// Lengths of Γ_C between two components: on the plus and on the minus side of a crack.
+    struct Border { size_t plus, minus, crack; double length; };
+    std::vector<Border> BordersOf (const Support & support) const;
+    size_t BaseOf (ngcomp::NodeId node, const Support & support, const std::vector<Border> & borders) const;
+    std::vector<std::array<double,2>> HeldLengths (ngcomp::NodeId node, const Support & support) const;
+    Copy CopyOn (size_t component, const Support & support, const std::vector<Border> & borders) const;
     const Enrichment & At (size_t j) const;
-    const Support & SupportOf (size_t j) const { return supports[At(j).support]; }
+    const Copy & CopyOf (size_t j) const { return copies[At(j).copy]; }
+    std::vector<signed char> Factors (const Copy & copy, ElementId ei) const;
+    signed char Factor (const Copy & copy, PartOfElement part) const;
+    std::vector<PartOfElement> PartsBeside (size_t bnd_element) const;
     void CollectHeaviside (VorB vb);
     void CollectTips ();
     void AddTip (ElementId ei, size_t tip);
@@ -108,8 +123,5 @@ namespace ngsxfem_contact
     { return heaviside[ei.VB()][heaviside_of[ei.VB()][ei.Nr()]]; }
     const TipSet & TipsOf (ElementId ei) const
     { return tip_sets[ei.VB() <= BND ? tips_of[ei.VB()][ei.Nr()] : 0]; }
-    int SideOfBoundaryElement (size_t element, const Support & support) const;
-    std::array<Measures,2> HeldLengths (ngcomp::NodeId node, const Support & support) const;
-    int SideOfFixedBoundary (ngcomp::NodeId node, const Support & support) const;
   };
 }

@@ -17,7 +17,7 @@ namespace ngsxfem_contact
     std::vector<double> arclengths;
 
     explicit CurveNodes (shared_ptr<CrackedMesh> abody) : body(abody) { }
-    /// Of nodes on one crack their arc lengths, increasing, and weights.
+    /// Of nodes on one crack, or on one arm of it, their arc lengths, increasing, and weights; only these are neighbours.
     void Append (size_t crack, const std::vector<double> & s, const std::vector<double> & length);
   };
 }

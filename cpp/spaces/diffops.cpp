@@ -38,37 +38,68 @@ namespace ngsxfem_contact
 
   namespace
   {
-    Point PointOf (const BaseMappedIntegrationPoint & mip) { auto p = mip.GetPoint(); return Point(p(0), p(1)); }
+    constexpr size_t lanes = SIMD<double>::Size();
+
+    PlacedPoint Placed (const BaseMappedIntegrationPoint & mip)
+    {
+      auto p = mip.GetPoint();
+      return { mip.IP()(0), mip.IP()(1), Point(p(0), p(1)) };
+    }
 
     Vec<2,SIMD<double>> PointOf (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
     { auto p = mir.GetPoints(); return { p(i,0), p(i,1) }; }
 
+    std::vector<PlacedPoint> Placed (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
+    {
+      std::vector<PlacedPoint> points;
+      auto x = PointOf(mir, i);
+      auto & ip = mir.IR()[i];
+      for (size_t lane = 0; lane < lanes; lane++) points.emplace_back(ip(0)[lane], ip(1)[lane], Point(x(0)[lane], x(1)[lane]));
+      return points;
+    }
+
     /// visit(j, factor) for every Heaviside function.
     template <typename F>
-    void VisitFactors (const CrackFiniteElement & fel, Trace trace, Vec<2,SIMD<double>> x, F && visit)
+    void VisitFactors (const CrackFiniteElement & fel, Trace trace, const SIMD_BaseMappedIntegrationRule & mir, size_t i, F && visit)
     {
-      SidedPoint at[SIMD<double>::Size()];
-      for (size_t lane = 0; lane < SIMD<double>::Size(); lane++) at[lane] = fel.At(Point(x(0)[lane], x(1)[lane]));
+      auto at = Placed(mir, i);
       for (size_t j = 0; j < fel.Heaviside().Size(); j++)
-        visit(j, SIMD<double>([&] (int lane) { return fel.HeavisideFactor(fel.Heaviside()[j], trace, at[lane]); }));
+        visit(j, SIMD<double>([&] (int lane) { return double(fel.HeavisideFactor(fel.Heaviside()[j], trace, at[lane])); }));
     }
   }
 
   /// visit(m, component, value) for every component of the m-th function of the tips.
   template <typename T, typename F>
-  void CrackDiffOp :: VisitTips (const CrackFiniteElement & fel, Vec<2,T> x, F && visit) const
+  void CrackDiffOp :: VisitTips (const CrackFiniteElement & fel, Vec<2,T> x, int side, F && visit) const
   {
     if (diff_order)
-      fel.VisitTipFunctions<Vec<2,AutoDiff<2,T>>>(x, trace, [&] (size_t m, auto & f)
+      fel.VisitTipFunctions<Vec<2,AutoDiff<2,T>>>(x, trace, side, [&] (size_t m, auto & f)
       {
         for (size_t k = 0; k < 2; k++)
           for (size_t l = 0; l < 2; l++) visit(m, 2*k+l, f(k).DValue(l));
       });
     else
-      fel.VisitTipFunctions<Vec<2,T>>(x, trace, [&] (size_t m, auto & f)
+      fel.VisitTipFunctions<Vec<2,T>>(x, trace, side, [&] (size_t m, auto & f)
       {
         for (size_t k = 0; k < 2; k++) visit(m, k, f(k));
       });
+  }
+
+  /// Points of one vector may ask for limits from different sides: then one by one.
+  template <typename F>
+  void CrackDiffOp :: VisitTips (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, size_t i, F && visit) const
+  {
+    if (fel.Tips().Size() == 0) return;
+    std::array<int,lanes> sides;
+    auto at = Placed(mir, i);
+    for (size_t lane = 0; lane < lanes; lane++) sides[lane] = fel.ForcedSide(trace, at[lane]);
+    if (std::ranges::all_of(sides, [&] (int side) { return side == sides[0]; })) return VisitTips(fel, PointOf(mir, i), sides[0], visit);
+    std::vector<SIMD<double>> values(fel.NumTip()*2*d, SIMD<double>(0.));
+    for (size_t lane = 0; lane < lanes; lane++)
+      VisitTips(fel, Vec<2>(at[lane].Place()), sides[lane], [&] (size_t m, size_t component, double value)
+      { auto & all = values[m*2*d+component]; all = SIMD<double>([&] (size_t k) { return k == lane ? value : all[k]; }); });
+    for (size_t m = 0; m < fel.NumTip(); m++)
+      for (size_t component = 0; component < 2*d; component++) visit(m, component, values[m*2*d+component]);
   }
 
   void CrackDiffOp :: CalcMatrix (const FiniteElement & bfel, const BaseMappedIntegrationPoint & mip,
@@ -77,13 +108,12 @@ namespace ngsxfem_contact
     HeapReset hr(lh);
     auto & fel = static_cast<const CrackFiniteElement&>(bfel);
     size_t nd = fel.Scalar().GetNDof(), n = fel.NumScalar();
-    Point x = PointOf(mip);
     FlatMatrix<double> shape(n, d, lh);
     if (diff_order)
       fel.Scalar().CalcMappedDShape(mip, shape);
     else
       fel.Scalar().CalcShape(mip.IP(), shape.Col(0));
-    auto at = fel.At(x);
+    auto at = Placed(mip);
     for (size_t j = 0; j < fel.Heaviside().Size(); j++)
       {
         auto & function = fel.Heaviside()[j];
@@ -96,7 +126,7 @@ namespace ngsxfem_contact
       for (size_t k = 0; k < 2; k++)
         for (size_t l = 0; l < d; l++)
           mat(k*d+l, k*n+j) = shape(j,l);
-    VisitTips(fel, x, [&] (size_t m, size_t component, double value) { mat(component, 2*n+m) = value; });
+    VisitTips(fel, Vec<2>(at.Place()), fel.ForcedSide(trace, at), [&] (size_t m, size_t component, double value) { mat(component, 2*n+m) = value; });
   }
 
   void CrackDiffOp :: Apply (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, BareSliceVector<double> x,
@@ -132,7 +162,7 @@ namespace ngsxfem_contact
   {
     size_t nd = fel.Scalar().GetNDof();
     for (size_t i = 0; i < mir.Size(); i++)
-      VisitFactors(fel, trace, PointOf(mir, i), [&] (size_t j, SIMD<double> factor)
+      VisitFactors(fel, trace, mir, i, [&] (size_t j, SIMD<double> factor)
       {
         for (size_t l = 0; l < d; l++)
           mat((nd+j)*d+l, i) = factor * mat(fel.Heaviside()[j].local*d+l, i);
@@ -142,7 +172,7 @@ namespace ngsxfem_contact
   void CrackDiffOp :: CalcTips (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
   {
     for (size_t i = 0; i < mir.Size(); i++)
-      VisitTips(fel, PointOf(mir, i), [&] (size_t m, size_t component, SIMD<double> value) { mat(m*2*d+component, i) = value; });
+      VisitTips(fel, mir, i, [&] (size_t m, size_t component, SIMD<double> value) { mat(m*2*d+component, i) = value; });
   }
 
   void CrackDiffOp :: CalcMatrix (const FiniteElement & bfel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
@@ -174,7 +204,7 @@ namespace ngsxfem_contact
     void VisitPolynomial (const CrackFiniteElement & fel, Trace trace, F && visit)
     {
       size_t nd = fel.Scalar().GetNDof();
-      SidedPoint anywhere = fel.At(Point(0., 0.));
+      PlacedPoint anywhere(0.3, 0.3, Point(0., 0.));
       for (size_t j = 0; j < fel.Heaviside().Size(); j++)
         {
           auto & function = fel.Heaviside()[j];
@@ -192,7 +222,7 @@ namespace ngsxfem_contact
     if (fel.Tips().Size() == 0) return;
     auto of_tips = x.Range(2*fel.NumScalar(), fel.GetNDof());
     for (size_t i = 0; i < mir.Size(); i++)
-      VisitTips(fel, PointOf(mir, i), [&] (size_t m, size_t component, SIMD<double> value) { flux(component, i) += of_tips(m) * value; });
+      VisitTips(fel, mir, i, [&] (size_t m, size_t component, SIMD<double> value) { flux(component, i) += of_tips(m) * value; });
   }
 
   void CrackDiffOp :: ApplyScalar (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir,
@@ -236,7 +266,7 @@ namespace ngsxfem_contact
     ArrayMem<SIMD<double>, 16> sums(fel.NumTip());
     sums = SIMD<double>(0.);
     for (size_t i = 0; i < mir.Size(); i++)
-      VisitTips(fel, PointOf(mir, i), [&] (size_t m, size_t component, SIMD<double> value) { sums[m] += value * flux(component, i); });
+      VisitTips(fel, mir, i, [&] (size_t m, size_t component, SIMD<double> value) { sums[m] += value * flux(component, i); });
     for (size_t m = 0; m < sums.Size(); m++) x(2*fel.NumScalar()+m) += HSum(sums[m]);
   }
 

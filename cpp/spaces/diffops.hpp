@@ -52,7 +52,9 @@ namespace ngsxfem_contact
   private:
     void CalcHeaviside (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
     template <typename T, typename F>
-    void VisitTips (const CrackFiniteElement & fel, Vec<2,T> x, F && visit) const;
+    void VisitTips (const CrackFiniteElement & fel, Vec<2,T> x, int side, F && visit) const;
+    template <typename F>
+    void VisitTips (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, size_t i, F && visit) const;
     void ApplyScalar (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                       BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const;
     void ApplyPolynomial (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,

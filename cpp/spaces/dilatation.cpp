@@ -98,6 +98,9 @@ namespace ngsxfem_contact
       return Point(p(i/width,0)[i%width], p(i/width,1)[i%width]);
     }
 
+    PlacedPoint Placed (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
+    { return { mir.IR()[i/width](0)[i%width], mir.IR()[i/width](1)[i%width], PointOf(mir, i) }; }
+
     /// D u, or (1 - Π) s, of all functions of one element.
     class ElementDilatation
     {
@@ -109,12 +112,11 @@ namespace ngsxfem_contact
       };
       const CrackFiniteElement & fel;
       Dilatation kind;
-      std::vector<size_t> cracks;                    // that divide the element
-      std::map<unsigned, Part> parts;                // by the sides of their points
+      std::map<size_t, Part> parts;                  // by number
 
     public:
       ElementDilatation (const CrackFiniteElement & afel, const ElementTransformation & trafo, const BodyRules & rules, Dilatation akind)
-        : fel(afel), kind(akind), cracks(fel.DividingCracks())
+        : fel(afel), kind(akind)
       {
         int order = 2*(fel.Order()-1);
         auto table = rules.Table({ Domain::Bulk }, VOL, order);
@@ -126,12 +128,12 @@ namespace ngsxfem_contact
       }
 
       /// At a point; on a side where the element has no part, as in its largest one.
-      void Evaluate (Point x, Trace trace, FlatVector<> result) const
+      void Evaluate (PlacedPoint x, Trace trace, FlatVector<> result) const
       {
-        auto part = parts.find(Key(trace, x));
+        auto part = parts.find(fel.PartAt(trace, x));
         if (part == parts.end())
           part = std::max_element(parts.begin(), parts.end(), [] (auto & a, auto & b) { return a.second.area < b.second.area; });
-        result = part->second.moments * part->second.polynomials.Evaluate(x);
+        result = part->second.moments * part->second.polynomials.Evaluate(x.Place());
         fel.VisitSingularDivergence(x, trace, [&] (size_t dof, double s) { result(dof) += s; });
       }
 
@@ -140,8 +142,12 @@ namespace ngsxfem_contact
       {
         Matrix<SIMD<double>> gradient(fel.GetNDof()*4, mir.Size());
         CrackDiffOp(1, Trace::Position, VOL).CalcMatrix(fel, mir, gradient);
-        std::map<unsigned, std::vector<size_t>> numbers;
-        for (size_t i = 0; i < num_points; i++) numbers[Key(Trace::Position, PointOf(mir, i))].push_back(i);
+        std::map<size_t, std::vector<size_t>> numbers;
+        for (size_t i = 0; i < num_points; i++)
+          {
+            auto x = Placed(mir, i);
+            numbers[fel.PartAt(Trace::Position, x)].push_back(i);
+          }
         for (auto & [key, points] : numbers) parts.emplace(key, MakePart(mir, points, gradient));
       }
 
@@ -163,19 +169,11 @@ namespace ngsxfem_contact
             size_t block = numbers[k]/width, lane = numbers[k]%width;
             for (int j = 0; j < fel.GetNDof(); j++)
               divergence(j) = kind == Dilatation::Singular ? 0 : gradient(4*j, block)[lane] + gradient(4*j+3, block)[lane];
-            fel.VisitSingularDivergence(points[k].p, Trace::Position, [&] (size_t dof, double s) { divergence(dof) -= s; });
+            auto x = Placed(mir, numbers[k]);
+            fel.VisitSingularDivergence(x, Trace::Position, [&] (size_t dof, double s) { divergence(dof) -= s; });
             part.moments += points[k].weight * divergence * Trans(part.polynomials.Evaluate(points[k].p));
           }
         return part;
-      }
-
-      unsigned Key (Trace trace, Point x) const
-      {
-        unsigned key = 0;
-        auto sided = fel.At(x);
-        for (size_t i = 0; i < cracks.size(); i++)
-          if (fel.SideAt(cracks[i], trace, sided) > 0) key |= 1u << i;
-        return key;
       }
     };
   }
@@ -197,7 +195,7 @@ namespace ngsxfem_contact
     HeapReset hr(lh);
     auto & fel = static_cast<const CrackFiniteElement&>(bfel);
     FlatVector<> values(fel.GetNDof(), lh);
-    ElementDilatation(fel, mip.GetTransformation(), *rules, kind).Evaluate(Point(mip.GetPoint()(0), mip.GetPoint()(1)), trace, values);
+    ElementDilatation(fel, mip.GetTransformation(), *rules, kind).Evaluate({ mip.IP()(0), mip.IP()(1), Point(mip.GetPoint()(0), mip.GetPoint()(1)) }, trace, values);
     for (int j = 0; j < fel.GetNDof(); j++) mat(0, j) = values(j);
   }
 
@@ -208,7 +206,7 @@ namespace ngsxfem_contact
     Matrix<> values(width, fel.GetNDof());
     for (size_t i = 0; i < mir.Size(); i++)
       {
-        for (size_t lane = 0; lane < width; lane++) dilatation.Evaluate(PointOf(mir, i*width+lane), trace, values.Row(lane));
+        for (size_t lane = 0; lane < width; lane++) dilatation.Evaluate(Placed(mir, i*width+lane), trace, values.Row(lane));
         for (int j = 0; j < fel.GetNDof(); j++) mat(j, i) = SIMD<double>([&] (int lane) { return values(lane, j); });
       }
   }

@@ -6,10 +6,15 @@ namespace ngsxfem_contact
 {
   using namespace ngcomp;
 
+  namespace
+  {
+    double LeastInterval (const CrackedMesh & body, size_t crack) { return 1e-6/geometric_tolerance*body.Location(crack).Tolerance(); }
+  }
+
   std::vector<double> MeshNodes (const CrackedMesh & body, size_t c, bool kinks)
   {
     auto & crack = body.GetCrack(c);
-    std::vector<double> all { 0, crack.Length() }, nodes;
+    std::vector<double> all;
     auto is_joint = [&] (size_t i, double s) { return s == crack.ArcLength(i) || s == crack.ArcLength(i+1); };
     auto is_kink = [&] (size_t i, double s) { return crack.IsKink(s == crack.ArcLength(i) ? i : i+1); };
     for (auto & location : body.Location(c).Elements())
@@ -19,13 +24,20 @@ namespace ngsxfem_contact
             bool inner = s > location.S0() && s < location.S1();
             if (!inner || !is_joint(chord.piece, s) || (kinks && is_kink(chord.piece, s))) all.push_back(s);
           }
-    std::sort(all.begin(), all.end());
     // two nodes that are nearly one would take signs apart which no displacement tells apart
-    double tolerance = 1e-6/geometric_tolerance*body.Location(c).Tolerance();
-    for (double s : all)
-      if (nodes.empty() || s-nodes.back() > tolerance) nodes.push_back(s);
-    nodes.back() = crack.Length();
-    return nodes;
+    double tolerance = LeastInterval(body, c);
+    std::set<double> nodes;
+    auto is_apart = [&] (double s)
+    {
+      auto next = nodes.lower_bound(s);
+      return (next == nodes.end() || *next-s > tolerance) && (next == nodes.begin() || s-*std::prev(next) > tolerance);
+    };
+    auto insert = [&] (double s) { if (is_apart(s)) nodes.insert(s); };
+    insert(0);
+    insert(crack.Length());
+    for (double s : body.Location(c).Meetings()) insert(s);
+    std::ranges::for_each(all, insert);
+    return { nodes.begin(), nodes.end() };
   }
 
   namespace
@@ -73,37 +85,32 @@ namespace ngsxfem_contact
       }
     };
 
-    /// The functions of each crack of an element, zero on the others.
+    /// The functions on each of several stretches of cracks, zero on the others.
     class SharedTraceElement : public TraceElement
     {
-      const std::vector<Crack> & cracks;
-      const CutElement & cut;
-      FlatArray<TraceElement*> parts;
     public:
-      SharedTraceElement (const std::vector<Crack> & acracks, const CutElement & acut, FlatArray<TraceElement*> aparts)
-        : TraceElement(0, aparts[0]->Order()), cracks(acracks), cut(acut), parts(aparts)
-      { for (auto part : parts) ndof += part->GetNDof(); }
+      struct Stretch { size_t crack; double s0, s1; TraceElement * functions; };
+
+      SharedTraceElement (const std::vector<Crack> & acracks, const CutElement & acut, FlatArray<Stretch> astretches)
+        : TraceElement(0, astretches[0].functions->Order()), cracks(acracks), cut(acut), stretches(astretches)
+      { for (auto & stretch : stretches) ndof += stretch.functions->GetNDof(); }
 
       void CalcShape (const IntegrationPoint & ip, Point x, BareSliceVector<> shape) const override
       {
         shape.Range(0, ndof) = 0;
-        auto & on = cut.CrackAt(cracks, x);
-        size_t first = 0;
-        for (size_t k = 0; &cut.cracks[k] != &on; k++) first += parts[k]->GetNDof();
-        parts[&on - cut.cracks.data()]->CalcShape(ip, x, shape + first);
+        size_t crack = cut.CrackAt(x).crack, first = 0;
+        double s = cracks[crack].ArcLength(cracks[crack].Nearest(x));
+        auto off = [&] (const Stretch & stretch) { return std::pair(stretch.crack != crack, std::max({ 0.0, stretch.s0-s, s-stretch.s1 })); };
+        auto on = std::ranges::min_element(stretches, {}, off);
+        for (auto stretch = stretches.begin(); stretch != on; ++stretch) first += (*stretch).functions->GetNDof();
+        (*on).functions->CalcShape(ip, x, shape + first);
       }
-    };
 
-    /// The element that `make` gives for each crack.
-    template <typename F>
-    FiniteElement & MakeElement (const CrackedMesh & body, size_t element, Allocator & alloc, F && make)
-    {
-      auto & cut = *body.Find(element);
-      if (!cut.IsShared()) return make(cut.cracks[0]);
-      FlatArray<TraceElement*> parts(cut.cracks.size(), static_cast<TraceElement**>(alloc.Alloc(cut.cracks.size()*sizeof(TraceElement*))));
-      for (size_t k = 0; k < cut.cracks.size(); k++) parts[k] = &make(cut.cracks[k]);
-      return *new (alloc) SharedTraceElement (body.Cracks(), cut, parts);
-    }
+    private:
+      const std::vector<Crack> & cracks;
+      const CutElement & cut;
+      FlatArray<Stretch> stretches;
+    };
 
     class TraceDiffOp : public ScalarOperator
     {
@@ -145,17 +152,8 @@ namespace ngsxfem_contact
   TraceBasis :: TraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision) : body(abody), order(aorder)
   {
     if (order < 0) throw Exception("TraceSpace: order=" + ngcore::ToString(order) + " must be 0 or more");
-    if (adivision.size() != body->NumCracks())
-      throw Exception("TraceSpace: nodes for " + ngcore::ToString(adivision.size()) + " cracks, but the body has " + ngcore::ToString(body->NumCracks()));
-    for (size_t c = 0; c < adivision.size(); c++)
-      {
-        auto & s = adivision[c];
-        double length = body->GetCrack(c).Length();
-        bool increasing = s.size() > 1 && std::abs(s.front()) <= 1e-10*length && std::abs(s.back()-length) <= 1e-10*length;
-        for (size_t i = 0; i+1 < s.size(); i++) increasing = increasing && s[i] < s[i+1];
-        if (!increasing)
-          throw Exception("TraceSpace: the nodes on crack " + ngcore::ToString(c) + " must be arc lengths that increase from 0 to its length " + ngcore::ToString(length));
-      }
+    CheckDivision(adivision);
+    for (size_t c = 0; c < adivision.size(); c++) EndAtMeetings(c, adivision[c]);
     division = make_shared<ArcLengths>(std::move(adivision));
     if (order == 0) return;
     ngfem::ComputeGaussLobattoRule(order+1, lobatto, weights);
@@ -168,22 +166,107 @@ namespace ngsxfem_contact
       }
   }
 
+  void TraceBasis :: CheckDivision (const std::vector<std::vector<double>> & adivision) const
+  {
+    if (adivision.size() != body->NumCracks())
+      throw Exception("TraceSpace: nodes for " + ngcore::ToString(adivision.size()) + " cracks, but the body has " + ngcore::ToString(body->NumCracks()));
+    for (size_t c = 0; c < adivision.size(); c++)
+      {
+        auto & s = adivision[c];
+        double length = body->GetCrack(c).Length();
+        bool increasing = s.size() > 1 && std::abs(s.front()) <= 1e-10*length && std::abs(s.back()-length) <= 1e-10*length;
+        for (size_t i = 0; i+1 < s.size(); i++) increasing = increasing && s[i] < s[i+1];
+        if (!increasing)
+          throw Exception("TraceSpace: the nodes on crack " + ngcore::ToString(c) + " must be arc lengths that increase from 0 to its length " + ngcore::ToString(length));
+      }
+  }
+
+  void TraceBasis :: EndAtMeetings (size_t crack, std::vector<double> & s)
+  {
+    size_t lo = 0;
+    for (double meeting : body->Location(crack).Meetings())
+      {
+        double tolerance = LeastInterval(*body, crack);
+        auto next = std::ranges::lower_bound(s, meeting-tolerance);
+        if (next == s.end()) continue;
+        if (*next > meeting+tolerance) next = s.insert(next, meeting);
+        size_t at = next-s.begin();
+        if (at == lo || at+1 == s.size()) continue;
+        AddArm(crack, lo, at, s);
+        lo = at;
+      }
+    size_t last = s.size()-1;
+    AddArm(crack, lo, last, s);
+  }
+
+  /// Between two blocks one constant would not feel all rigid motions: a triangle may turn about the centre of its circumcircle.
+  void TraceBasis :: AddArm (size_t crack, size_t lo, size_t & hi, std::vector<double> & s)
+  {
+    auto & ends = body->Location(crack).Ends();
+    bool between_meetings = (lo > 0 || ends[0].kind == EndKind::Junction) && (hi+1 < s.size() || ends[1].kind == EndKind::Junction);
+    if (order == 0 && hi == lo+1 && between_meetings) s.insert(s.begin() + hi++, 0.5*(s[lo]+s[lo+1]));
+    arms.push_back({ crack, lo, hi });
+  }
+
+  /// Intervals are longer than 4 tolerances (MeshNodes), chords longer than one; an end of a chord lies on a node or less than
+  /// 4 tolerances behind it.
+  std::vector<TraceBasis::Span> TraceBasis :: SpansIn (size_t element) const
+  {
+    std::vector<Span> spans;
+    auto & cut = *body->Find(element);
+    for (size_t arm = 0; arm < arms.size(); arm++)
+      {
+        auto here = cut.Find(arms[arm].crack);
+        if (!here) continue;
+        double tolerance = body->Location(here->crack).Tolerance();
+        auto & s = division->All()[here->crack];
+        std::set<size_t> met;
+        for (auto & chord : here->location->chords)
+          {
+            size_t lo = std::ranges::upper_bound(s, chord.s0+0.5*tolerance) - s.begin() - 1;
+            size_t hi = std::ranges::lower_bound(s, chord.s1-4.001*tolerance) - s.begin();
+            lo = std::min(lo, s.size()-2);
+            for (size_t i = lo; i < std::max(hi, lo+1); i++)
+              if (i >= arms[arm].lo && i < arms[arm].hi) met.insert(i);
+          }
+        for (size_t i : met)
+          if (!spans.empty() && spans.back().arm == arm && spans.back().hi == i) spans.back().hi++;
+          else spans.push_back({ arm, i, i+1 });
+      }
+    return spans;
+  }
+
+  template <typename F>
+  FiniteElement & TraceBasis :: MakeElement (size_t element, const std::vector<Span> & spans, Allocator & alloc, F && make) const
+  {
+    if (spans.size() == 1) return make(spans[0]);
+    using Stretch = SharedTraceElement::Stretch;
+    FlatArray<Stretch> stretches(spans.size(), static_cast<Stretch*>(alloc.Alloc(spans.size()*sizeof(Stretch))));
+    for (size_t k = 0; k < spans.size(); k++)
+      {
+        size_t crack = arms[spans[k].arm].crack;
+        auto & s = division->All()[crack];
+        stretches[k] = { crack, s[spans[k].lo], s[spans[k].hi], &make(spans[k]) };
+      }
+    return *new (alloc) SharedTraceElement (body->Cracks(), *body->Find(element), stretches);
+  }
+
   CurveNodes TraceBasis :: Nodes () const
   {
     CurveNodes nodes(body);
-    for (size_t c = 0; c < body->NumCracks(); c++)
+    for (auto & arm : arms)
       {
         std::vector<double> s, length;
-        auto ends = division->On(c);
-        for (size_t i = 0; i+1 < ends.size(); i++)
+        auto & ends = division->All()[arm.crack];
+        for (size_t i = arm.lo; i < arm.hi; i++)
           {
             double h = ends[i+1]-ends[i];
             if (order == 0) { s.push_back(0.5*(ends[i]+ends[i+1])); length.push_back(h); continue; }
             for (int l = 0; l < order; l++) { s.push_back(ends[i] + lobatto[l]*h); length.push_back(weights[l]*h); }
-            if (i > 0) length[i*order] += weights[order]*(ends[i]-ends[i-1]);
+            if (i > arm.lo) length[(i-arm.lo)*order] += weights[order]*(ends[i]-ends[i-1]);
           }
-        if (order) { s.push_back(ends.back()); length.push_back(weights[order]*(ends.back()-ends.end()[-2])); }
-        nodes.Append(c, s, length);
+        if (order) { s.push_back(ends[arm.hi]); length.push_back(weights[order]*(ends[arm.hi]-ends[arm.hi-1])); }
+        nodes.Append(arm.crack, s, length);
       }
     return nodes;
   }
@@ -191,37 +274,24 @@ namespace ngsxfem_contact
   NodalTraceBasis :: NodalTraceBasis (shared_ptr<CrackedMesh> abody, int aorder, std::vector<std::vector<double>> adivision)
     : TraceBasis(abody, aorder, std::move(adivision)), first { 0 }
   {
-    for (auto & ends : division->All()) first.push_back(first.back() + (order ? (ends.size()-1)*order+1 : ends.size()-1));
-  }
-
-  /// Intervals are longer than 4 tolerances (MeshNodes), chords longer than one; an end of a chord lies on a node or less than
-  /// 4 tolerances behind it.
-  std::pair<size_t,size_t> NodalTraceBasis :: Intervals (const ElementCrack & here) const
-  {
-    double tolerance = body->Location(here.crack).Tolerance();
-    auto & s = division->All()[here.crack];
-    size_t lo = std::upper_bound(s.begin(), s.end(), here.location->S0()+0.5*tolerance) - s.begin() - 1;
-    size_t hi = std::lower_bound(s.begin(), s.end(), here.location->S1()-4.001*tolerance) - s.begin();
-    lo = std::min(lo, s.size()-2);
-    return { lo, std::max(hi, lo+1) };
+    for (auto & arm : arms) first.push_back(first.back() + (order ? (arm.hi-arm.lo)*order+1 : arm.hi-arm.lo));
   }
 
   void NodalTraceBasis :: GetDofNrs (size_t element, Array<DofId> & dnums) const
   {
-    for (auto & here : body->Find(element)->cracks)
+    for (auto & [arm, lo, hi] : SpansIn(element))
       {
-        auto [lo, hi] = Intervals(here);
-        size_t n = order ? (hi-lo)*order+1 : hi-lo;
-        for (size_t i = 0; i < n; i++) dnums.Append(first[here.crack] + (order ? lo*order : lo) + i);
+        size_t n = order ? (hi-lo)*order+1 : hi-lo, from = lo-arms[arm].lo;
+        for (size_t i = 0; i < n; i++) dnums.Append(first[arm] + (order ? from*order : from) + i);
       }
   }
 
   FiniteElement & NodalTraceBasis :: GetFE (size_t element, Allocator & alloc) const
   {
-    return MakeElement(*body, element, alloc, [&] (const ElementCrack & here) -> TraceElement &
+    return MakeElement(element, SpansIn(element), alloc, [&] (const Span & span) -> TraceElement &
     {
-      auto [lo, hi] = Intervals(here);
-      return *new (alloc) NodalTraceElement (body->Cracks()[here.crack], FlatArray<const double>(hi-lo+1, division->All()[here.crack].data()+lo),
+      size_t crack = arms[span.arm].crack;
+      return *new (alloc) NodalTraceElement (body->Cracks()[crack], FlatArray<const double>(span.hi-span.lo+1, division->All()[crack].data()+span.lo),
                                              FlatArray<const double>(lobatto.Size(), lobatto.Data()), order);
     });
   }
@@ -234,29 +304,38 @@ namespace ngsxfem_contact
     scalar = CreateFESpace("h1ho", body->GetMesh(), flags);
     scalar->Update();
     scalar->FinalizeUpdate();
-    number.assign(body->NumCracks(), std::vector<int>(scalar->GetNDof(), -1));
+    number.assign(arms.size(), std::vector<int>(scalar->GetNDof(), -1));
+    std::vector<std::set<DofId>> used(arms.size());
     Array<DofId> dofs;
-    size_t candidate = 0;
-    for (size_t c = 0; c < body->NumCracks(); c++)
+    for (auto element : body->CrackedElements())
       {
-        std::set<DofId> used;
-        for (auto & location : body->Location(c).Elements())
-          {
-            scalar->GetDofNrs(ElementId(VOL, location.element), dofs);
-            for (auto dof : dofs) used.insert(dof);
-          }
-        for (auto dof : used)
-          if (!left_out.count(candidate++)) number[c][dof] = int(ndof++);
+        scalar->GetDofNrs(ElementId(VOL, element), dofs);
+        for (auto & span : ArmsIn(element))
+          for (auto dof : dofs) used[span.arm].insert(dof);
       }
+    size_t candidate = 0;
+    for (size_t arm = 0; arm < arms.size(); arm++)
+      for (auto dof : used[arm])
+        if (!left_out.count(candidate++)) number[arm][dof] = int(ndof++);
+  }
+
+  /// One span for each arm.
+  std::vector<TraceBasis::Span> MeshTraceBasis :: ArmsIn (size_t element) const
+  {
+    std::vector<Span> in_element;
+    for (auto & span : SpansIn(element))
+      if (!in_element.empty() && in_element.back().arm == span.arm) in_element.back().hi = span.hi;
+      else in_element.push_back(span);
+    return in_element;
   }
 
   void MeshTraceBasis :: GetDofNrs (size_t element, Array<DofId> & dnums) const
   {
     ArrayMem<DofId, 50> dofs;
     scalar->GetDofNrs(ElementId(VOL, element), dofs);
-    for (auto & here : body->Find(element)->cracks)
+    for (auto & span : ArmsIn(element))
       for (auto dof : dofs)
-        if (int i = number[here.crack][dof]; i >= 0) dnums.Append(i);
+        if (int i = number[span.arm][dof]; i >= 0) dnums.Append(i);
   }
 
   FiniteElement & MeshTraceBasis :: GetFE (size_t element, Allocator & alloc) const
@@ -264,11 +343,11 @@ namespace ngsxfem_contact
     ArrayMem<DofId, 50> dofs;
     scalar->GetDofNrs(ElementId(VOL, element), dofs);
     auto & fe = static_cast<BaseScalarFiniteElement&>(scalar->GetFE(ElementId(VOL, element), alloc));
-    return MakeElement(*body, element, alloc, [&] (const ElementCrack & here) -> TraceElement &
+    return MakeElement(element, ArmsIn(element), alloc, [&] (const Span & span) -> TraceElement &
     {
       int n = 0, * local = static_cast<int*>(alloc.Alloc(dofs.Size()*sizeof(int)));
       for (size_t i = 0; i < dofs.Size(); i++)
-        if (number[here.crack][dofs[i]] >= 0) local[n++] = int(i);
+        if (number[span.arm][dofs[i]] >= 0) local[n++] = int(i);
       return *new (alloc) MeshTraceElement (fe, FlatArray<int>(n, local));
     });
   }

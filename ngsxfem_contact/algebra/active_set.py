@@ -70,6 +70,56 @@ def solve_active_set(Q: np.ndarray, q: np.ndarray, start: np.ndarray | None = No
     )
 
 
+def solve_balanced(
+    Q: np.ndarray, q: np.ndarray, B: np.ndarray, pull: np.ndarray, start: np.ndarray | None = None, max_iterations: int = 100
+) -> tuple[ActiveSetResult, np.ndarray]:
+    """Solves p ≤ 0, w = Qp + q + Bα ≤ 0, p·w = 0, Bᵀp + pull = 0 for p and α: rigid motions that only contact holds.
+
+    Parameters
+    ----------
+    B, pull
+        (m, r), the w of the motions, and (r,), the work of the load on them.
+
+    Notes
+    -----
+    The active set is that of an augmented Lagrangian, Q + BBᵀ/ρ with α += (Bᵀp + pull)/ρ; on it p and α are found exactly. Raises NotConverged where contact
+    does not balance the load.
+    """
+    rho, alpha = np.linalg.norm(B, 2) ** 2 / (1e5 * np.diag(Q).max()), np.zeros(len(pull))
+    history: list[np.ndarray] = []
+    for _ in range(max_iterations):
+        result = solve_active_set(Q + B @ B.T / rho, q + B @ (alpha + pull / rho), start, max_iterations)
+        history, start = history + result.active, result.active[-1]
+        p, exact, w = balanced_equalities(Q, q, B, pull, start)
+        if is_admissible(p, w, Q):
+            return ActiveSetResult(p, history, result.fallback), exact
+        alpha = alpha + (B.T @ result.p + pull) / rho
+    raise NotConverged(
+        "contact does not balance the load on parts of the body that only the faces hold: hold them by supports or by friction, or change the load"
+    )
+
+
+def balanced_equalities(Q: np.ndarray, q: np.ndarray, B: np.ndarray, pull: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """p, α and w with w = 0 on the active set, p = 0 elsewhere and Bᵀp + pull = 0, of several the shortest; unknowns in units of their rows."""
+    n, r = int(active.sum()), len(pull)
+    scale = np.append(
+        1 / np.sqrt(np.diag(Q)[active]), 1 / np.maximum(np.linalg.norm(B[active] / np.sqrt(np.diag(Q)[active])[:, None], axis=0), np.finfo(float).tiny)
+    )
+    matrix = np.block([[Q[np.ix_(active, active)], B[active]], [B[active].T, np.zeros((r, r))]]) * scale * scale[:, None]
+    found = scale * np.linalg.lstsq(matrix, -scale * np.append(q[active], pull), rcond=1e-13)[0]
+    p = np.zeros(len(q))
+    p[active], alpha = found[:n], found[n:]
+    w = Q @ p + q + B @ alpha
+    return p, alpha, w
+
+
+def is_admissible(p: np.ndarray, w: np.ndarray, Q: np.ndarray) -> bool:
+    """Whether p ≤ 0 and w ≤ 0 but for round-off."""
+    scale = np.sqrt(np.diag(Q))
+    p, w = p * scale, w / scale
+    return max(p.max(), w.max()) <= 1e-9 * max(np.abs(p).max(), np.abs(w).max())
+
+
 def coarse_start(Q: np.ndarray, q: np.ndarray, neighbours: np.ndarray | None = None, smallest: float = 4) -> tuple[np.ndarray, int]:
     """A first active set from coarser problems, and the number of iterations on them.
 

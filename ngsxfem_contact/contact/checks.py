@@ -13,9 +13,9 @@ from ..algebra.elimination import Elimination, unit_scale
 from ..algebra.matrices import csr_view, mask, to_scipy
 from ..errors import NotCoercive, SingularSystem, warn
 from ..operators import NormalGap
-from ..spaces.connectivity import RigidMotions
 from ..spaces.unknowns import Unknowns
 from .contact_system import stiffness_form
+from .free_motions import PinnedMotions
 from .mixed_system import LocalPressures
 from .nodal_law import NodalLaw
 from .stabilisation import trait
@@ -64,40 +64,25 @@ def check_size(roots: np.ndarray, what: str, limit: float = 1e145) -> None:
         raise ValueError(f"{what} is too {size}: its energy is about ({largest:.1e})², beyond double precision; take other units of length or stress")
 
 
-def check_rigid_motions(problem: ContactProblem) -> None:
-    """Raises SingularSystem if a rigid motion of the body is not held, or of a part that cracks cut off or that hangs on others by points."""
-    free = RigidMotions(problem.V).Free(~mask(problem.free), problem.a)
-    if free is None:
-        return
-    name = "the body"
-    if free.parts > 1:
-        name = f"one of the {free.parts} parts into which the cracks divide the body, " + "around ({:g}, {:g}),".format(*free.centre)
-    if len(free.hinges):
-        name = "the part of the body around ({:g}, {:g}), ".format(*free.centre) + "which hangs on others by {} {} alone,".format(
-            "the vertex" if len(free.hinges) == 1 else "the vertices", ", ".join("({:g}, {:g})".format(*point) for point in free.hinges)
-        )
-    faces = ", or let the faces hold them by a law at nodes such as MohrCoulomb(mu_f) or Joint(k_n, k_t)" if free.parts > 1 else ""
-    raise SingularSystem(
-        f"{free.number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a{faces}"
-    )
-
-
-def check_multiplier(Q: np.ndarray, stabilised: bool, tolerance: float = 1e-10) -> None:
+def check_multiplier(Q: np.ndarray, weights: np.ndarray, modulus: float, stabilised: bool, tolerance: float = 1e-10) -> None:
     """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable.
 
     Parameters
     ----------
+    weights
+        (m,), of the nodes: forces of size 1 move the faces by about 1/modulus, if any displacement feels them, and much farther on a thin strip.
+    modulus
+        The largest one beside the cracks, a stress.
     stabilised
         By some γ.
     """
-    scale = 1 / np.sqrt(np.maximum(np.diag(Q), np.finfo(float).tiny))
-    values = np.linalg.eigvalsh(0.5 * (Q + Q.T) * scale[:, None] * scale)
-    deficient = int((values < tolerance * values[-1]).sum())
+    values = np.linalg.eigvalsh(0.5 * modulus * (Q + Q.T) / weights / weights[:, None])
+    deficient = int((values < tolerance).sum())
     if deficient:
         remedy = "a larger γ, which is nearly zero there (or a part of the crack both faces of which are held, set them free)"
         raise SingularSystem(
-            f"{deficient} of {len(values)} multipliers act on no displacement of the space (smallest eigenvalue {values[0]:.1e} "
-            f"of the scaled Schur complement, largest {values[-1]:.1e}): this pair of orders needs "
+            f"{deficient} of {len(values)} multipliers act on no displacement of the space (smallest eigenvalue {values[0]:.1e} of the "
+            f"Schur complement, for unit forces and moduli): this pair of orders needs "
             f"{remedy if stabilised else 'stabilisation=BarbosaHughes()'}, or a richer displacement space, or a multiplier of lower order"
         )
 
@@ -152,9 +137,9 @@ def Coercivity(problem: ContactProblem) -> float:
     Raises
     ------
     SingularSystem
-        If rigid motions are left free.
+        If rigid motions are left free that no face feels.
     """
-    check_rigid_motions(problem)
+    motions = PinnedMotions(problem)
     gamma = problem.Gamma()
     if gamma is None:
         return 1.0
@@ -165,8 +150,9 @@ def Coercivity(problem: ContactProblem) -> float:
     K_gamma = to_scipy(BilinearForm(gamma * squared * problem.body.dcrack).Assemble().mat)
     if problem.is_mixed:
         K_gamma -= LocalPressures(problem, gamma).Stiffness()
+    free = motions.Without(problem.free, K)  # they change neither K nor K_γ
     logger.info("smallest eigenvalue of K - K_γ against K, %d unknowns", V.ndof)
-    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, problem.free, Unknowns(V).tips), mask(problem.free))
+    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, free, Unknowns(V).tips), mask(free))
 
 
 def largest_eigenvalue(A: csr_matrix, M: BaseMatrix, M_inverse: Elimination, free: BitArray) -> float:

@@ -15,9 +15,10 @@ from ngsolve.la import DiagonalMatrix, EigenValues_Preconditioner
 
 from ..algebra.elimination import unit_scale
 from ..algebra.matrices import csr_view
+from ..errors import SingularSystem
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
-from .checks import check_rigid_motions
+from .free_motions import free_motions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -84,7 +85,8 @@ def ConditionNumber(problem: ContactProblem) -> float:
     SingularSystem
         If rigid motions are left free.
     """
-    check_rigid_motions(problem)
+    if free := free_motions(problem):
+        raise SingularSystem(free.message)
     matrix = problem.Assemble().stiffness
     scale, inverse = scaling(matrix)  # Lanczos starts from random numbers, which have no units
     scaled, preconditioner = scale @ matrix @ scale, inverse @ CrackScaling(matrix, problem.V, problem.free) @ inverse

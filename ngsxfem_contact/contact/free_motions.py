@@ -12,64 +12,80 @@ import numpy as np
 import scipy
 from ngsolve import BitArray
 
-from ..algebra.matrices import mask
-from ..spaces.connectivity import HELD, RigidMotions
+from ..algebra.matrices import csr_view, mask
+from ..errors import SingularSystem
+from ..spaces.connectivity import HELD, FreeMotions, RigidMotions
 from ..spaces.unknowns import Unknowns
-from .checks import check_rigid_motions
-from .nodal_law import NodalLaw
 
 if TYPE_CHECKING:
+    from ngsolve import BaseMatrix
+
     from .problem import ContactProblem
 
 
-class FreeMotions:
-    """The motions of a problem that its faces have to hold.
+def free_motions(problem: ContactProblem) -> FreeMotions | None:
+    """What neither supports nor springs of the problem hold, or None."""
+    return RigidMotions(problem.V).Free(~mask(problem.free), problem.a)
+
+
+class PinnedMotions:
+    """The rigid motions of a problem that its faces have to hold.
 
     Attributes
     ----------
     R
         (V.ndof, r), each motion in units of the size of its part.
-    pins
-        r unknowns that take them away.
+    centres
+        (number, 2), of the parts of the body that move.
 
     Raises
     ------
     SingularSystem
-        For motions that no face feels, and, with a law that does not hold node by node, for all.
+        For motions that no face feels.
     """
 
     def __init__(self, problem: ContactProblem) -> None:
-        if not isinstance(problem.law, NodalLaw):
-            check_rigid_motions(problem)
-            self.R, self.pins = np.zeros((problem.V.ndof, 0)), np.zeros(0, dtype=int)
+        self.R, self.centres = np.zeros((problem.V.ndof, 0)), np.zeros((0, 2))
+        free = free_motions(problem)
+        if free is None:
             return
-        motions, fixed = RigidMotions(problem.V), ~mask(problem.free)
-        unknowns, rows = motions.Coefficients()
-        values = rows @ null_space(motions.Constraints(fixed, problem.a))
-        self.R = np.zeros((problem.V.ndof, values.shape[1]))
-        self.R[unknowns] = np.where(fixed[unknowns, None], 0, values)
-        layout = Unknowns(problem.V)
-        if np.linalg.matrix_rank(self.R[layout.heaviside], tol=HELD) < self.R.shape[1]:  # the jumps are not independent
-            check_rigid_motions(problem)
-        self.pins = self._chosen(layout.polynomial.stop)
+        fixed = ~mask(problem.free)
+        self.R = np.where(fixed[:, None], 0, free.Coefficients())
+        _, sizes, directions = np.linalg.svd(self.R[Unknowns(problem.V).heaviside], full_matrices=True)
+        self._refuse(directions[np.append(sizes, np.zeros(len(directions) - len(sizes))) < HELD], free)
+        self.centres, self.free = free.centres, free
 
-    def _chosen(self, polynomials: int) -> np.ndarray:
-        """Of the rows of R the most independent ones; those of polynomials, if they are enough."""
-        number = self.R.shape[1]
-        rows = self.R[:polynomials] if np.linalg.matrix_rank(self.R[:polynomials], tol=HELD) == number else self.R
-        return scipy.linalg.qr(rows.T, mode="r", pivoting=True)[1][:number]
+    def __len__(self) -> int:
+        return self.R.shape[1]
 
-    def Without(self, free: BitArray) -> BitArray:
-        """The unknowns that neither supports nor pins take away."""
+    @staticmethod
+    def _refuse(combinations: np.ndarray, free: FreeMotions) -> None:
+        if len(combinations):
+            raise SingularSystem(free.Combined(combinations.T).message)
+
+    def CheckFelt(self, jumps: np.ndarray, weights: np.ndarray) -> None:
+        """Raises SingularSystem for motions that do not change the gaps; jumps: (n, r), weighted gaps of the motions at n nodes with weights."""
+        if len(self):
+            _, sizes, directions = np.linalg.svd(jumps / weights[:, None], full_matrices=True)
+            sizes = np.append(sizes, np.zeros(len(directions) - len(sizes)))
+            self._refuse(directions[sizes < HELD * sizes[0]], self.free)
+
+    def Without(self, free: BitArray, stiffness: BaseMatrix) -> BitArray:
+        """The unknowns that neither supports nor pins take away.
+
+        Parameters
+        ----------
+        stiffness
+            Of V: pins are where much energy resists, of rows √K_ii R_i the most independent ones. On a sliver of an element a pin would hold nothing.
+        """
         rest = BitArray(free)
-        for pin in self.pins:
-            rest.Clear(int(pin))
+        if len(self):
+            rows = np.sqrt(np.abs(csr_view(stiffness).diagonal()))[:, None] * self.R
+            for pin in scipy.linalg.qr(rows.T, mode="r", pivoting=True)[1][: len(self)]:
+                rest.Clear(int(pin))
         return rest
 
-
-def null_space(constraints: np.ndarray) -> np.ndarray:
-    """An orthonormal basis, as columns, of what constraints leave."""
-    size = constraints.shape[1]
-    triangle = np.linalg.qr(np.concatenate([constraints, np.zeros((size, size))]), mode="r")
-    _, sizes, motions = np.linalg.svd(triangle)
-    return motions[sizes < HELD].T
+    @property
+    def notes(self) -> list[str]:
+        """A sentence for each part."""
+        return [f"the part of the body around ({x:g}, {y:g}) is held by the faces of cracks alone" for x, y in self.centres]

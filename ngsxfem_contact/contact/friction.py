@@ -15,7 +15,7 @@ import scipy
 from ngsolve import CoefficientFunction
 
 from ..algebra import nodal_newton
-from ..algebra.active_set import coarse_start, solve_active_set
+from ..algebra.active_set import coarse_start, solve_active_set, solve_balanced
 from ..algebra.face_relations import LinearClosure, SlidingRelation
 from ..algebra.nodal_newton import FullNewton, NodalMethod, Threshold, first_states, uniqueness_number, violation
 from ..arguments import INFINITY, check_function, check_number
@@ -37,10 +37,13 @@ class Frictionless:
     depends_on_path = False
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report, max_iterations: int) -> np.ndarray:
-        """p; books its iterations in the report."""
-        result = solve_active_set(Q, q, first_contact(Q, q, faces, start, report), max_iterations)
+        """p, and α; books its iterations in the report."""
+        if len(faces.pull):
+            result, alpha = solve_balanced(Q, q, faces.motions, faces.pull, np.ones(len(q), dtype=bool) if start is None else start, max_iterations)
+        else:
+            result, alpha = solve_active_set(Q, q, first_contact(Q, q, faces, start, report), max_iterations), faces.pull
         report.iterations, report.active, report.fallback = result.iterations, result.active, result.fallback
-        return result.p
+        return np.append(result.p, alpha)
 
     def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
         """None."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
-from ngsolve import L2, VOL, BilinearForm, BitArray, ElementId, GridFunction, IfPos, LinearForm
+from ngsolve import L2, VOL, BilinearForm, BitArray, ElementId, GridFunction, LinearForm
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import add_to, to_scipy
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ngsolve import CoefficientFunction
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, CutDifferentialSymbol, ElementLocation, TraceSpace
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, CutDifferentialSymbol, TraceSpace
     from ..operators import Component
     from .problem import ContactProblem
 
@@ -105,33 +105,18 @@ class LocalPressures:
         """π for f = λ - R_h(u) - r_0, a function on the cracks: a PressureField."""
         function = GridFunction(self.space)
         function.vec.FV().NumPy()[self.dofs.ravel()] = self.inverse @ self.Moments(f)
-        return PressureField(self.problem.body, function, self.locations)
+        return PressureField(self.problem.body, function)
 
 
 class PressureField:
     """π in the body and on the faces: zero on the smaller part of a divided element."""
 
-    def __init__(self, body: CrackedMesh, function: GridFunction, locations: list[ElementLocation]) -> None:
-        self.body, self.function, self.locations = body, function, locations
+    def __init__(self, body: CrackedMesh, function: GridFunction) -> None:
+        self.body, self.function = body, function
 
     def At(self, side: str | None) -> CoefficientFunction:
         """On a side, or None: by the position of the point."""
-        if side == "larger":
-            return self.function
-        if side is not None:
-            return self.function * self._indicator(side)
-        return self.function * sum(
-            self._indicator(None, c) * IfPos(crack.side, self._indicator("plus"), self._indicator("minus")) for c, crack in enumerate(self.body.cracks)
-        )
-
-    def _indicator(self, side: str | None, crack: int | None = None) -> GridFunction:
-        """1 on elements whose larger part is on a side, or that a crack meets."""
-        indicator = GridFunction(L2(self.body.mesh, order=0))
-        for T in self.locations:
-            here = T.kind == core.ElementKind.Tip or side is None or (side == "plus") == (T.area_plus >= T.area_minus)
-            if here and (crack is None or crack in self.body.CracksOf(T.element)):
-                indicator.vec[T.element] = 1
-        return indicator
+        return self.function if side == "larger" else self.function * self.body.InLargerPart(side)
 
 
 class MixedSystem(ContactSystem):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from ngsolve import CoefficientFunction, InnerProduct, Parameter, dx
@@ -15,7 +16,7 @@ from ..loads.face_traction import ComparedTraction
 from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
 from ..material import Isotropic
-from ..operators import Gradient, Minus, Plus
+from ..operators import NORMAL, Gradient, Minus, Plus
 from ..protocols import FaceLaw, LawAtNodes, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
@@ -23,7 +24,7 @@ from .cones import CONES
 from .contact_system import ContactSystem
 from .friction import Frictionless
 from .mixed_system import MixedSystem
-from .nodal_law import LawByCrack
+from .nodal_law import LawByCrack, NodalLaw
 from .options import Start, StepOptions
 from .solution import ContactSolution
 from .solver import ReducedProblem
@@ -182,6 +183,16 @@ class ContactProblem:
             self.initial += -InnerProduct(stress, Gradient(V.TestFunction())) * V.body.dx
         check_symmetric_stress(self.initial)
         self.supports = Supports(V)
+
+    def AtNodes(self) -> ContactProblem:
+        """The same problem with a law that holds node by node, as the rigid motions of parts need that only faces with friction hold."""
+        law = self.law
+        if isinstance(law, NodalLaw) or law.components == (NORMAL,):
+            return self
+        check_role(law, LawAtNodes, "ContactProblem: parts of the body that only faces hold need a law with At(nodes); law", "a law such as Coulomb(mu_f)")
+        problem = copy(self)
+        problem.law = LawByCrack({}, cast(LawAtNodes, law))
+        return problem
 
     @property
     def body(self) -> CrackedMesh:

@@ -7,17 +7,19 @@ import numpy as np
 import scipy
 from ngsolve import GridFunction
 
+from ..algebra.balance import Balance
 from ..algebra.elimination import Elimination
 from ..errors import NotConverged
 from ..loads.load import LoadTerms
 from ..loads.reactions import SupportResidual
+from ..operators import NORMAL
 from ..protocols import Cone, Nodes
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
 from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, warn_of_brittle_faces
 from .contact_system import ContactSystem
 from .faces import FaceHistory, Faces, Scales
-from .free_motions import FreeMotions
+from .free_motions import PinnedMotions
 from .friction import transformation
 from .load_case import LoadCase, ReducedCase
 from .nodal_law import gives_way
@@ -25,6 +27,7 @@ from .options import StepOptions
 from .profile import State
 from .report import Report, stage
 from .solution import ContactSolution
+from .stabilisation import local_moduli
 
 if TYPE_CHECKING:
     from .problem import ContactProblem
@@ -64,20 +67,24 @@ class ReducedProblem:
     """
 
     def __init__(self, problem: "ContactProblem", inverse: str | None = None, check: bool = True) -> None:
-        self.problem, self.check = problem, check
+        self.check = check
         self.timings: dict[str, float] = {}
-        self.transformed: dict[Cone, tuple[np.ndarray, np.ndarray]] = {}
+        self.transformed: dict[Cone, tuple[np.ndarray, Balance]] = {}
         size = f"{problem.V.ndof} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
-            self.motions = FreeMotions(problem)
+            self.motions = PinnedMotions(problem)
             problem.supports.Check()
             self.supports = problem.supports.Holders(), problem.supports.CornerEdges()
+        slips_freely = problem.law.components == (NORMAL,)
+        self.problem = problem = problem.AtNodes() if len(self.motions) else problem
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
             check_gap(system)
+            if slips_freely:
+                self.motions.CheckFelt((system.E @ self.motions.R)[: len(system.nodes)], system.nodes.weights)
             warn_of_brittle_faces(problem, system.nodes)
         with stage(self.timings, "factor", f"eliminating {size}"):
-            free = without_negligible(system.stiffness, problem.V, self.motions.Without(problem.free))
+            free = without_negligible(system.stiffness, problem.V, self.motions.Without(problem.free, system.stiffness))
             self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse)
             if check:
                 check_coercive(problem, self.elimination)
@@ -132,7 +139,11 @@ class ReducedProblem:
         if not gives_way(problem.law, self.system.nodes):
             problem.supports.CheckOverlap(case.jumps, problem.gap, np.abs(case.given).max())
         report = Report(
-            (int(problem.V.ndof), int(problem.W.ndof)), self.elimination.name, dict(self.timings), notes=list(problem.body.notes), projection=problem.projection
+            (int(problem.V.ndof), int(problem.W.ndof)),
+            self.elimination.name,
+            dict(self.timings),
+            notes=[*problem.body.notes, *self.motions.notes],
+            projection=problem.projection,
         )
         with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"):
             found = self._nodal_solution(options, case, cone, report)
@@ -141,20 +152,22 @@ class ReducedProblem:
         return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, case)
 
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
-        T, Q = self.Signs(cone)
-        faces, G = self.Faces(cone, self._history(options.previous, cone), case), self._gaps(case)
-        found = self.problem.law.Solve(Q, T.T @ (case.g - G), faces, self._first_set(options), report, options.max_iterations)
-        p, alpha = np.split(found, [len(Q)])
-        return NodalSolution(case, faces, T, p, G, alpha)
+        T, balance = self.Signs(cone)
+        faces = self.Faces(cone, self._history(options.previous, cone), case)
+        found = self.problem.law.Solve(balance.matrix, self.RightSide(case, cone), faces, self._first_set(options), report, options.max_iterations)
+        p, alpha = np.split(found, [len(balance.Q)])
+        G = self._gaps(case)
+        return NodalSolution(case, faces, T, p, G, balance.Motions(p, alpha, T.T @ (case.g - G), faces.pull))
 
     def Faces(self, cone: Cone, history: FaceHistory | None, case: ReducedCase) -> Faces:
         """What the law is asked about."""
-        T, Q = self.Signs(cone)
-        return Faces(self.system.nodes, cone, np.diag(Q), history, T.T @ (self.system.E @ self.motions.R), self.motions.R.T @ case.forces)
+        _, balance = self.Signs(cone)
+        return Faces(self.system.nodes, cone, np.diag(balance.Q), history, balance.B, self.motions.R.T @ case.forces)
 
     def RightSide(self, case: ReducedCase, cone: Cone) -> np.ndarray:
-        """q of w = Q p + q."""
-        return self.Signs(cone)[0].T @ (case.g - self._gaps(case))
+        """q of w = Q p + q, see Balance."""
+        T, balance = self.Signs(cone)
+        return balance.RightSide(T.T @ (case.g - self._gaps(case)), self.motions.R.T @ case.forces)
 
     def Whole(self, case: ReducedCase) -> ReducedCase:
         """A load with initial stress and temperature, which nothing scales."""
@@ -194,14 +207,15 @@ class ReducedProblem:
             return active_on(self.system.nodes, options.start)
         return options.start
 
-    def Signs(self, cone: Cone) -> tuple[np.ndarray, np.ndarray]:
-        """T with L = T p, and Tᵀ S T; checked once for each cone."""
+    def Signs(self, cone: Cone) -> tuple[np.ndarray, Balance]:
+        """T with L = T p, and the Balance of Tᵀ S T; checked once for each cone."""
         if cone not in self.transformed:
             T = transformation(self.problem.law, cone, self.system.nodes)
-            Q = T.T @ self.S @ T
+            weights = np.tile(self.system.nodes.weights, len(self.problem.law.components))
+            balance = Balance(T.T @ self.S @ T, T.T @ (self.system.E @ self.motions.R), weights)
             if self.check:
-                check_multiplier(Q, self.system.gamma is not None)
-            self.transformed[cone] = T, Q
+                check_multiplier(balance.matrix, weights, local_moduli(self.problem.V, self.problem.material).max(), self.system.gamma is not None)
+            self.transformed[cone] = T, balance
         return self.transformed[cone]
 
     def _recover(self, found: NodalSolution, report: Report) -> tuple[GridFunction, SupportResidual]:

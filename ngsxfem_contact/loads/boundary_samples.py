@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ngsolve import BND
 
+from .._ngsxfem_contact import EndKind
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -108,11 +110,10 @@ class BoundarySamples:
 
 def mouths_of(body: CrackedMesh) -> Iterator[tuple[int, float]]:
     """(number of the crack, arc length) of the ends of cracks on the boundary."""
-    tips = {(tip.crack, round(tip.s / body.cracks[tip.crack].length)) for tip in body.tips}
-    for number, crack in enumerate(body.cracks):
-        for end in range(2):
-            if (number, end) not in tips:
-                yield number, end * crack.length
+    for number in range(len(body.cracks)):
+        for end in body.Ends(number):
+            if end.kind == EndKind.Mouth:
+                yield number, end.s
 
 
 def elements_at(edges: np.ndarray, point: tuple[float, float]) -> Iterator[tuple[int, float]]:

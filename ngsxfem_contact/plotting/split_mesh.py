@@ -19,9 +19,10 @@ if TYPE_CHECKING:
 
     from ngsolve import BitArray, CoefficientFunction
 
-    from .._ngsxfem_contact import Crack, CrackedMesh, Part
+    from .._ngsxfem_contact import Crack, CrackedMesh, PartTriangle
 
 LIPS = (1, -1)  # plus and minus
+BESIDE = 1e-9  # of the way to a triangle's centre: beside a point at which cracks meet, where no crack has a side of its own
 PULL = 0.05  # stresses are taken this part of the way from a corner to the triangle's centre: they jump, and are infinite at tips
 
 
@@ -45,7 +46,9 @@ class SplitMesh:
     side (M,)
         1 plus, -1 minus, 0 away from the cracks.
     point_side (N,)
-        The lip of a doubled point, 0 for other points.
+        The lip of a doubled point, 0 for other points and where cracks meet.
+    meeting (N,)
+        Whether several cracks meet at a point, which is there once for each of the sectors between them.
     lips (L,2), lip_side (L,), lip_crack (L,)
         The edges on the cracks, each once for each lip.
     """
@@ -56,13 +59,13 @@ class SplitMesh:
         points, triangles, parent = conforming_triangles(body, tolerance)
         carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))]).T
         for _ in range(subdivision):
-            places = self._Places(points, triangles, parent[:, 0])
-            edge, _, crack_of, _ = crack_edges(body.cracks, places, triangles, carried[parent[:, 0]], tolerance)
+            places = self._Places(points, triangles, parent)
+            edge, _, crack_of, _ = crack_edges(body.cracks, places, triangles, carried[parent], tolerance)
             ends = triangles.ravel()[[edge, next_corner(edge)]]
             middles = on_curves(body, crack_of, points[ends], places[ends])
             points, triangles = divide_in_four(points, triangles, edge, middles)
-            parent = np.tile(parent, (4, 1))
-        self.element, self.side = parent.T.copy()
+            parent = np.tile(parent, 4)
+        self.element = parent
         places = self._Places(points, triangles, self.element)
         self._Double(points, triangles, *crack_edges(body.cracks, places, triangles, carried[self.element], tolerance))
         self.reference = reference_coordinates(body.mesh, self.points[self.triangles], self.element)
@@ -78,15 +81,29 @@ class SplitMesh:
         fan = components(triangles.size, np.concatenate([a, next_corner(a)]), np.concatenate([next_corner(b), b]))
         lip_corners = np.stack([edge, next_corner(edge)], axis=1)
         self.corner = np.empty(fan.max() + 1, dtype=int)
-        self.corner[fan] = np.arange(triangles.size)
+        self.corner[fan] = inside = np.arange(triangles.size)
         self.corner[fan[lip_corners]] = values_from
+        several = on_several_cracks(triangles.ravel()[lip_corners], edge_crack)
+        self.meeting = np.isin(triangles.ravel()[self.corner], several)
+        own = np.empty_like(self.corner)
+        own[fan] = inside
+        self.corner[self.meeting] = own[self.meeting]
         self.points, self.triangles = points[triangles.ravel()[self.corner]], fan.reshape(-1, 3)
         self.lips, self.lip_edges, self.lip_side, self.lip_crack = fan[lip_corners], edge, edge_side, edge_crack
         self.point_side = np.zeros(len(self.points), dtype=int)
         for side in LIPS:  # a tip is on both lips: 0
             self.point_side[np.unique(self.lips[edge_side == side])] += side
-        touching = np.sign(self.point_side[self.triangles].sum(axis=1))
-        self.side = np.where(self.side == 0, touching, self.side)
+        self.point_side[self.meeting] = 0
+        self.side = self._Sides()
+
+    def _Sides(self) -> np.ndarray:
+        """(M,) the side of the nearest crack of its element on which a triangle lies, or of a lip that it touches; 0 for others."""
+        sides, centres = np.sign(self.point_side[self.triangles].sum(axis=1)), self.points[self.triangles].mean(axis=1)
+        for t in np.flatnonzero(mask(self.body.CrackElements(None))[self.element]):
+            here, centre = [self.body.cracks[c] for c in self.body.CracksOf(int(self.element[t]))], tuple(centres[t])
+            nearest = here[0] if len(here) == 1 else min(here, key=lambda crack: crack.Distance(centre))
+            sides[t] = int(nearest.SideOf(centre))
+        return sides
 
     def _Places(self, points: np.ndarray, triangles: np.ndarray, element: np.ndarray) -> np.ndarray:
         """Where points (N,2), given in the straight triangles of the elements (M,), lie in the body."""
@@ -107,9 +124,12 @@ class SplitMesh:
     def Evaluate(self, plus: CoefficientFunction, minus: CoefficientFunction, middle: CoefficientFunction) -> np.ndarray:
         """Values (N, dim) of CoefficientFunctions at the points: plus and minus on the two lips, middle elsewhere.
 
-        Plus(u) and Minus(u) are limits on the crack, no continuations: off the crack the position gives u its side.
+        Plus(u) and Minus(u) are limits on the crack, no continuations: off the crack the position gives u its side. Where cracks meet, the position
+        decides, too.
         """
-        elements, reference = self.element[self.corner // 3], self.reference.reshape(-1, 2)[self.corner]
+        triangle = self.corner // 3
+        elements, reference = self.element[triangle], self.reference.reshape(-1, 2)[self.corner]
+        reference[self.meeting] += BESIDE * (self.reference[triangle[self.meeting]].mean(axis=1) - reference[self.meeting])
         values = np.empty((len(self.points), middle.dim))
         for side, cf in ((1, plus), (-1, minus), (0, middle)):
             chosen = self.point_side == side
@@ -137,18 +157,18 @@ class SplitMesh:
 
 
 def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points, triangles and rows (element, side) with no point inside an edge; no point is doubled yet. Curved elements are straight here."""
+    """Points, triangles and their elements with no point inside an edge; no point is doubled yet. Curved elements are straight here."""
     vertices, elements = mesh_arrays(body.mesh)
     cut = mask(body.CrackElements(None))
     uncut = np.flatnonzero(~cut)
     parts = [(int(element), part) for element in np.flatnonzero(cut) for part in body.Parts(int(element))]
-    flat_parts = [(t, element, int(part.side)) for element, part in parts for t in flat(part, body.CrackInTriangle(element, part.crack))]
-    corners = np.array([triangle for triangle, _, _ in flat_parts]).reshape(-1, 2)
+    flat_parts = [(t, element) for element, part in parts for t in flat(part)]
+    corners = np.array([triangle for triangle, _ in flat_parts]).reshape(-1, 2)
     bends = np.concatenate([in_triangles(body, c, [0, *crack.kinks, crack.length]) for c, crack in enumerate(body.cracks)])
     points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)
     new = number[len(vertices) :]
     triangles = np.concatenate([number[elements[uncut]], new[: len(corners)].reshape(-1, 3)])
-    parent = np.concatenate([np.stack([uncut, 0 * uncut], axis=1), np.array([part[1:] for part in flat_parts], dtype=int).reshape(-1, 2)])
+    parent = np.concatenate([uncut, np.array([element for _, element in flat_parts], dtype=int)])
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
     thick = np.abs(cross(b - a, c - a)) > tolerance * longest  # others have a corner on an edge: they would be divided for ever
@@ -159,14 +179,10 @@ def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarra
     return points, triangles, parent
 
 
-def flat(part: Part, crack: Crack) -> list[Sequence[tuple[float, float]]]:
+def flat(part: PartTriangle) -> list[Sequence[tuple[float, float]]]:
     """The triangles of a part; a curved side becomes a polyline with kinks of less than 3 degrees."""
-    if part.curved is None:
-        return [part.triangle]
-    s0, s1 = part.curved
-    turn = max(abs(crack.CurvatureAt(s)) for s in np.linspace(s0, s1, 5)) * (s1 - s0)
-    side = [crack.PointAt(s) for s in np.linspace(s0, s1, 1 + int(np.ceil(1e-3 + turn / 0.05)))]
-    return [(part.triangle[0], a, b) for a, b in zip(side, side[1:])]
+    apex, *side = part.Outline(0.05)
+    return [(apex, a, b) for a, b in zip(side, side[1:])]
 
 
 def in_triangles(body: CrackedMesh, crack: int, arclengths: Sequence[float]) -> np.ndarray:
@@ -208,7 +224,7 @@ def without_hanging_points(points: np.ndarray, triangles: np.ndarray, parent: np
         rows, point = np.flatnonzero(hangs), point[hangs]
         a, b, c = (triangles[rows, (corner[hangs] + k) % 3] for k in range(3))
         triangles = np.concatenate([np.stack([a, point, c], axis=1), np.stack([point, b, c], axis=1)])
-        parent = np.tile(parent[hangs], (2, 1))
+        parent = np.tile(parent[hangs], 2)
     return [np.concatenate(parts) for parts in zip(*done)]
 
 
@@ -250,6 +266,13 @@ def divide_in_four(points: np.ndarray, triangles: np.ndarray, edge: np.ndarray, 
     return np.concatenate([points, halves]), np.concatenate([np.stack(part, axis=1) for part in quarters])
 
 
+def on_several_cracks(points: np.ndarray, crack: np.ndarray) -> np.ndarray:
+    """Those of the points (L,2), ends of edges on cracks (L,), that lie on more than one crack."""
+    pairs = np.unique(np.stack([points.ravel(), np.repeat(crack, 2)], axis=1), axis=0)
+    numbers, count = np.unique(pairs[:, 0], return_counts=True)
+    return numbers[count > 1]
+
+
 def next_corner(corner: np.ndarray) -> np.ndarray:
     """Of the corners 3t, 3t+1, 3t+2 of triangle t; an edge has the number of the corner at which it starts."""
     return corner - corner % 3 + (corner + 1) % 3
@@ -277,8 +300,12 @@ def crack_edges(cracks: list[Crack], points: np.ndarray, triangles: np.ndarray, 
     crack_of, side = np.full(len(edges), -1), np.zeros(len(edges), dtype=int)
     for c, crack in enumerate(cracks):
         rank = ranks_along(crack, points, np.unique([a, b]), tolerance)
-        on = (rank[a] >= 0) & (rank[b] >= 0) & (np.abs(rank[b] - rank[a]) == 1)
-        crack_of[on], side[on] = c, (rank[b] - rank[a])[on]  # a triangle lies to the left of its edges
+        step = rank[b] - rank[a]
+        if crack.closed:  # the last point is followed by the first
+            last = rank.max()
+            step = np.where(np.abs(step) == last, -np.sign(step), step) if last > 1 else step
+        on = (rank[a] >= 0) & (rank[b] >= 0) & (np.abs(step) == 1)
+        crack_of[on], side[on] = c, step[on]  # a triangle lies to the left of its edges
     own, other = np.stack([edges, next_corner(edges)], axis=1), np.stack([next_corner(twins), twins], axis=1)
     values_from = np.where(carried[edges // 3, crack_of][:, None], own, other)
     return [array[side != 0] for array in (edges, values_from, crack_of, side)]

@@ -15,25 +15,17 @@ from .unknowns import Unknowns
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from .._ngsxfem_contact import CrackFESpace, ElementPart
+    from scipy.sparse import csr_matrix
+
+    from .._ngsxfem_contact import CrackFESpace
     from ..loads.load import StiffnessForm
 
 SLIVER = 1e-12  # of the largest part of an element: a smaller one holds nothing together
 HELD = 1e-8  # of a motion's size: what supports change by less is free
 
 
-def sides_of_parts(parts: list[ElementPart]) -> set[tuple[int, ...]]:
-    """The signs with respect to its cracks of the parts of an element, each once: {()} for an element that no crack meets."""
-    if not parts:
-        return {()}
-    corners = np.array([part.triangle for part in parts])
-    u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    areas = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    return {tuple(map(int, part.sides)) for part, area in zip(parts, areas) if area > SLIVER * areas.max()}
-
-
 class VertexCopies:
-    """A vertex whose function is enriched has a copy on each side of the crack; the others have one.
+    """A vertex is there once for each connected part of the support of its function.
 
     Attributes
     ----------
@@ -43,64 +35,53 @@ class VertexCopies:
         (n,) the part of the body to which it belongs: those are joined where they share two copies, an edge; one copy alone is a hinge.
     parts
         Their number.
-    index
-        (vertex, sides) → copy, where sides are the signs with respect to the cracks that enrich the vertex; a vertex that none enriches is its own copy.
     vertex
-        (copies,) the vertex of each.
+        (copies,) the vertex of each: the vertices themselves, on the largest part of their supports, then those of `functions`.
+    functions
+        The numbers of the Heaviside functions of vertices, one for each further copy.
     """
 
     def __init__(self, V: CrackFESpace) -> None:
         self.V, self.nv = V, V.mesh.nv
-        self.enriched = {}
-        for j in range(V.num_heaviside):
-            dof, shift = V.Heaviside(j)
-            if dof < self.nv:
-                self.enriched.setdefault(dof, []).append((j, shift, V.HeavisideCrack(j)))
-        self.index = {}
+        self.functions = [j for j in range(V.num_heaviside) if V.Heaviside(j)[0] < self.nv]
+        self.vertex = np.concatenate([np.arange(self.nv), np.array([V.Heaviside(j)[0] for j in self.functions], dtype=int)])
+        self.further: dict[int, list[tuple[int, int]]] = {}  # of a vertex its other copies, with their functions
+        for copy, j in enumerate(self.functions, self.nv):
+            self.further.setdefault(int(self.vertex[copy]), []).append((copy, j))
         away, beside = self._elements()
         self.corners = np.concatenate([away, np.array(list(self._parts(beside)), dtype=int).reshape(-1, 3)])
-        self.vertex = np.concatenate([np.arange(self.nv), np.array([vertex for vertex, _ in self.index], dtype=int)])
         self.parts, self.labels = parts_joined_by_edges(self.corners, len(self.vertex))
 
     def _elements(self) -> tuple[np.ndarray, list[tuple[int, Any]]]:
         """The vertices of elements away from the cracks, (n, 3); number and vertices of the others."""
         vertices = self.V.mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
         enriched = np.zeros(self.nv, dtype=bool)
-        enriched[list(self.enriched)] = True
+        enriched[list(self.further)] = True
         beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
         return vertices[~beside], [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
 
     def _parts(self, elements: list[tuple[int, Any]]) -> Iterator[list[int]]:
         """The copies at the corners of each part of the elements beside a crack."""
-        body = self.V.body
         for element, vertices in elements:
-            cracks = body.CracksOf(element)
-            for sides in sides_of_parts(body.Parts(element)):
-                yield [self._copy(v, element, dict(zip(cracks, sides))) for v in vertices]
+            sizes = self.V.body.PartSizes(element)
+            further = [[(copy, self.V.HeavisideFactors(j, element)) for copy, j in self.further.get(vertex, ())] for vertex in vertices]
+            for part in np.flatnonzero(np.array(sizes) > SLIVER * max(sizes)):
+                yield [next((copy for copy, factors in copies if factors[part]), vertex) for vertex, copies in zip(vertices, further)]
 
-    def _copy(self, vertex: int, element: int, forced: dict[int, int]) -> int:
-        """The copy on the side of an element, or on forced sides {crack: side} with respect to the cracks that divide it."""
-        if vertex not in self.enriched:
-            return vertex
-        own = tuple(self.V.HeavisideSide(j, element) or forced[crack] for j, _, crack in self.enriched[vertex])
-        return self.index.setdefault((vertex, own), self.nv + len(self.index))
-
-    def OnLargerSide(self) -> np.ndarray:
-        """(nv,): the copy of each vertex whose displacement is the coefficient of φ_i; -1 if there is none."""
-        copies = np.arange(self.nv)
-        for vertex, functions in self.enriched.items():
-            copies[vertex] = self.index.get((vertex, tuple(shift for _, shift, _ in functions)), -1)
-        return copies
+    def Displacement(self, copy: int, component: int) -> csr_matrix:
+        """The row (1, ndof) that gives a component of the displacement of a copy."""
+        unknowns = Unknowns(self.V)
+        entries = {unknowns.Polynomial(component).start + int(self.vertex[copy]): 1.0}
+        if copy >= self.nv:
+            j = self.functions[copy - self.nv]
+            entries[unknowns.Heaviside(component).start + j] = -float(self.V.Heaviside(j)[1])
+        return scipy.sparse.csr_matrix((list(entries.values()), ([0] * len(entries), list(entries))), shape=(1, self.V.ndof))
 
     def AcrossCracks(self) -> Iterator[tuple[int, int, int]]:
-        """(j, copy, copy): the coefficient of the j-th Heaviside function is the jump, the displacement of the first copy minus that of the second."""
-        for vertex, functions in self.enriched.items():
-            larger = tuple(shift for _, shift, _ in functions)
-            for k, (j, shift, _) in enumerate(functions):
-                other = larger[:k] + (-shift,) + larger[k + 1 :]
-                if {(vertex, larger), (vertex, other)} <= self.index.keys():
-                    plus, minus = (larger, other)[::shift]
-                    yield j, self.index[vertex, plus], self.index[vertex, minus]
+        """(j, copy, copy): the coefficient of the j-th Heaviside function is the displacement of the first copy minus that of the second."""
+        for copy, j in enumerate(self.functions, self.nv):
+            vertex, side_of_vertex = self.V.Heaviside(j)
+            yield (j, vertex, copy) if side_of_vertex > 0 else (j, copy, vertex)
 
 
 def parts_joined_by_edges(corners: np.ndarray, copies: int) -> tuple[int, np.ndarray]:
@@ -111,26 +92,6 @@ def parts_joined_by_edges(corners: np.ndarray, copies: int) -> tuple[int, np.nda
     shared = np.flatnonzero(np.diff(edges[order]) == 0)
     pairs = order[shared] // 3, order[shared + 1] // 3
     return scipy.sparse.csgraph.connected_components(scipy.sparse.coo_matrix((np.ones(len(shared), dtype=bool), pairs), shape=(n, n)), directed=False)
-
-
-@dataclass
-class FreeMotion:
-    """number: of free rigid motions.
-
-    Parameters
-    ----------
-    centre
-        Of the part that moves.
-    hinges
-        Points (n, 2) at which it hangs on others.
-    parts
-        Of the body.
-    """
-
-    number: int
-    centre: np.ndarray
-    hinges: np.ndarray
-    parts: int
 
 
 class RigidMotions:
@@ -158,10 +119,10 @@ class RigidMotions:
     def Coefficients(self) -> tuple[np.ndarray, np.ndarray]:
         """(unknowns, rows): the coefficients of the motions in V, a matrix (number, 3 parts) for the unknowns that are not zero."""
         copies, V = self.copies, self.copies.V
-        pair = np.full(len(copies.vertex) + 1, -1)  # of each copy; -1 has none
+        pair = np.full(len(copies.vertex), -1)  # of each copy
         pair[self.copy] = np.arange(len(self.copy))
-        vertices, across = pair[copies.OnLargerSide()], list(copies.AcrossCracks())
-        jumps = np.array([(pair[a], pair[b]) for _, a, b in across], dtype=int).reshape(-1, 2)
+        vertices, across = pair[: copies.nv], [(j, pair[a], pair[b]) for j, a, b in copies.AcrossCracks() if min(pair[a], pair[b]) >= 0]
+        jumps = np.array([both for _, *both in across], dtype=int).reshape(-1, 2)
         there = np.flatnonzero(vertices >= 0)
         unknowns, rows = [], []
         layout, number = Unknowns(V), np.array([j for j, _, _ in across], dtype=int)
@@ -197,14 +158,72 @@ class RigidMotions:
         energies, modes = np.linalg.eigh(forces)
         return np.sqrt(np.maximum(energies, 0) / max(energies[-1], np.finfo(float).tiny))[:, None] * modes.T
 
-    def Free(self, fixed: np.ndarray, springs: StiffnessForm) -> FreeMotion | None:
-        """The FreeMotion of the part that moves most, or None if all parts are held."""
+    def Free(self, fixed: np.ndarray, springs: StiffnessForm) -> FreeMotions | None:
+        """Those that are not held, or None if all parts are; fixed, springs: see Constraints."""
         constraints, parts = self.Constraints(fixed, springs), self.copies.parts
         triangle = np.linalg.qr(np.concatenate([constraints, np.zeros((3 * parts, 3 * parts))]), mode="r")
         _, sizes, motions = np.linalg.svd(triangle)
         free = motions[sizes < HELD].reshape(-1, parts, 3)
-        if len(free) == 0:
-            return None
-        part = int(np.argmax(np.linalg.norm(free, axis=(0, 2))))
-        shared = [i for i in self.hinges if part in (self.part[i], self.part[i + 1])]
-        return FreeMotion(int(np.linalg.matrix_rank(free[:, part], tol=HELD)), self.centres[part], self.points[self.copy[shared]], parts)
+        return FreeMotions(self, free) if len(free) else None
+
+
+@dataclass
+class FreeMotions:
+    """Rigid motions that nothing holds.
+
+    Attributes
+    ----------
+    motions
+        (n, parts, 3): two translations and a turn of each part of the body, orthonormal.
+    """
+
+    rigid: RigidMotions
+    motions: np.ndarray
+
+    @property
+    def parts(self) -> np.ndarray:
+        """The numbers of the parts that move."""
+        return np.flatnonzero(np.linalg.norm(self.motions, axis=(0, 2)) > HELD)
+
+    @property
+    def centres(self) -> np.ndarray:
+        """Those of the parts that move, (number, 2)."""
+        return self.rigid.centres[self.parts]
+
+    def Combined(self, combinations: np.ndarray) -> FreeMotions:
+        """Some of the motions, given as columns (n, number)."""
+        return FreeMotions(self.rigid, np.einsum("nc,npk->cpk", combinations, self.motions))
+
+    def Coefficients(self) -> np.ndarray:
+        """(ndof, n): the motions as functions of V."""
+        unknowns, rows = self.rigid.Coefficients()
+        coefficients = np.zeros((self.rigid.copies.V.ndof, len(self.motions)))
+        coefficients[unknowns] = rows @ self.motions.reshape(len(self.motions), -1).T
+        return coefficients
+
+    def Displacements(self) -> csr_matrix:
+        """The rows that give, of a function of V, both components at two points of each part that moves."""
+        rigid, rows = self.rigid, []
+        for part in self.parts:
+            copies = rigid.copy[rigid.part == part]
+            points = rigid.points[copies]
+            first = int(np.argmax(np.linalg.norm(points - rigid.centres[part], axis=1)))
+            second = int(np.argmax(np.linalg.norm(points - points[first], axis=1)))
+            rows += [rigid.copies.Displacement(int(copies[i]), component) for i in (first, second) for component in range(2)]
+        return scipy.sparse.vstack(rows).tocsr()
+
+    @property
+    def message(self) -> str:
+        """What is free, of the part that moves most, and what to do."""
+        rigid, part = self.rigid, int(np.argmax(np.linalg.norm(self.motions, axis=(0, 2))))
+        number, (x, y) = np.linalg.matrix_rank(self.motions[:, part], tol=HELD), rigid.centres[part]
+        hinges = rigid.points[rigid.copy[[i for i in rigid.hinges if part in (rigid.part[i], rigid.part[i + 1])]]]
+        name = "the body"
+        if rigid.copies.parts > 1:
+            name = f"one of the {rigid.copies.parts} parts into which the cracks divide the body, around ({x:g}, {y:g}),"
+        if len(hinges):
+            vertices = ", ".join("({:g}, {:g})".format(*point) for point in hinges)
+            name = (
+                f"the part of the body around ({x:g}, {y:g}), which hangs on others by {'the vertex' if len(hinges) == 1 else 'the vertices'} {vertices} alone,"
+            )
+        return f"{number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a"

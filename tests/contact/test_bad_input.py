@@ -33,7 +33,6 @@ def refused(match, kind=Exception):
         ([(0, 0), (1, 0), (1 + 1e-14, 0)], "points 1 and 2 coincide"),
         ([(0, 0), (1, 1), (1, 0), (0, 1)], "pieces 0 and 2 meet .* cross itself"),
         ([(0, 0), (1, 0), (1, 1), (0.5, 0)], "pieces 0 and 2 meet .* touch"),
-        ([(0, 0), (1, 0), (1, 1), (0, 0)], "pieces 0 and 2 meet"),
         ([(0, 0), (1, 0), (0.5, 0)], "pieces 0 and 1 meet"),
         ([(0, 0), (1, 0), (-1, 0)], "pieces 0 and 1 meet"),
     ],
@@ -55,7 +54,6 @@ def test_things_that_are_no_points(points):
         ([(3, 0.6), (5, 0.6)], "lies outside the body"),
         ([(0, 0.6), (0.5, 1.2), (1, 0.6)], r"leaves the body at \(0.3333.*, 1\)"),
         ([(0, 0), (0.6, 0)], "along the boundary"),
-        ([(0.1, 0.1), (0.9, 0.11), (0.9, 0.13), (0.1, 0.12)], "more than once through the element"),
     ],
 )
 def test_cracks_that_do_not_fit_the_mesh(points, message):
@@ -82,23 +80,6 @@ def test_a_crack_that_leaves_through_a_notch():
 def test_meshes_that_are_not_plane_triangles(mesh, message):
     with refused(message):
         CrackedMesh(mesh, Crack([(0, 0.4), (0.5, 0.4)]))
-
-
-@pytest.mark.parametrize(
-    "first, second",
-    [
-        ([(0.1, 0.6), (0.7, 0.6)], [(0.3, 0.55), (0.3, 0.7)]),
-        ([(0, 0.4), (0.3, 0.4)], [(0.305, 0.4), (0.9, 0.4)]),
-        ([(0.25, 0.5), (0.75, 0.5)], [(0.5, 0.25), (0.5, 0.75)]),
-        ([(0.25, 0.5), (0.75, 0.5)], [(0.25, 0.75), (0.75, 0.25)]),
-        ([(0.25, 0.5), (0.75, 0.5)], [(0.5, 0.5), (0.5, 0.75)]),
-        ([(0, 0.5), (0.5, 0.5)], [(0.5, 0.5), (0.75, 0.75)]),
-    ],
-    ids=["crossing", "close", "crossing along edges", "crossing at a vertex", "branching at a vertex", "meeting end to end"],
-)
-def test_two_cracks_that_meet(first, second):
-    with refused("cracks 0 and 1 meet"):
-        CrackedMesh(structured(4), Crack(first), Crack(second))
 
 
 def test_no_crack_at_all():

@@ -125,7 +125,8 @@ def test_pins_on_one_line_of_action():
 
 
 def test_part_that_a_crack_cuts_off():
-    with pytest.raises(SingularSystem, match=r"3 rigid motion\(s\) of one of the 2 parts into which the cracks divide the body"):
+    """Contact may hold it against pressing, nothing against sliding."""
+    with pytest.raises(SingularSystem, match=r"1 rigid motion\(s\) of one of the 2 parts into which the cracks divide the body"):
         problem(THROUGH, dirichlet="bottom").Solve()
 
 

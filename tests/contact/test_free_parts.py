@@ -100,8 +100,17 @@ def test_a_body_that_nothing_holds():
         ContactProblem(V, TraceSpace(body), Elasticity.PlaneStrain(E=E, nu=0), law=Joint(1, 1)).Solve()
 
 
-def test_laws_that_hold_nothing():
-    """Contact without friction, and the nodal states of Coulomb's law: as before."""
-    for law in (None, Coulomb(0.5)):
-        with pytest.raises(SingularSystem, match="3 rigid motion.*are left free.*MohrCoulomb"):
-            stack(law).Solve()
+def test_a_stack_with_friction():
+    """Coulomb's law holds what friction can hold, as a law at the nodes."""
+    problem = stack(Coulomb(0.5))
+    problem.f += CF((0.2, 0)) * problem.V.TestFunction() * problem.body.ds("left")
+    solution = problem.Solve()
+    for crack, h in enumerate(HEIGHTS):
+        assert (solution.ContactForce(crack), solution.TangentialForce(crack)) == pytest.approx((h - HEIGHT, 0.2 * (HEIGHT - h)), abs=1e-12)
+    assert sum("held by the faces of cracks alone" in note for note in solution.report.notes) == 3
+
+
+def test_a_stack_without_friction():
+    """Contact alone leaves each block free to slide."""
+    with pytest.raises(SingularSystem, match="1 rigid motion.* of one of the 4 parts .* are left free"):
+        stack(None).Solve()

@@ -388,7 +388,8 @@ def test_answer_does_not_depend_on_start():
 def test_answer_of_newton_does_not_depend_on_r(factor):
     """The parameter of the projection (39), which the nodal methods take."""
     reduced = ReducedProblem(problem := coarse(law=Coulomb(0.3)))
-    T, Q = reduced.Signs(problem.cone)
+    T, balance = reduced.Signs(problem.cone)
+    Q = balance.Q
     q, threshold = T.T @ (reduced.case.g - reduced.system.G), problem.law.Threshold(problem.W.nodes, problem.cone)
     start = first_states(Q, q, threshold, np.zeros(problem.W.ndof, dtype=bool))
     usual, other = (FullNewton().Solve(Q, q, threshold, r / np.diag(Q), start, 100).p for r in (1, factor))

@@ -178,7 +178,7 @@ def test_a_joint_holds_a_part_that_a_crack_cuts_off():
     problem = ContactProblem(V, TraceSpace(body, order=0), MATERIAL)
     u, v = V.TnT()
     problem.f += CF((0.1, 1)) * v * body.ds("top")
-    with pytest.raises(SingularSystem, match="3 rigid motion"):
+    with pytest.raises(SingularSystem, match="1 rigid motion"):
         problem.Solve()
     problem.a += 0.5 * Jump(u) * Jump(v) * body.dcrack
     assert problem.Solve().Reactions().total.force == pytest.approx((-0.1, -1))
@@ -193,7 +193,7 @@ def test_springs_hold_one_side_of_a_crack_only(height, turn):
     problem = ContactProblem(V, TraceSpace(body, order=0), MATERIAL)
     u, v = V.TnT()
     problem.a += IfPos(y - height, 1, 0) * u * v * body.ds("left|top")
-    with pytest.raises(SingularSystem, match=r"3 rigid motion\(s\) of one of the 2 parts .* around \(0.5, 0.[123456]"):
+    with pytest.raises(SingularSystem, match=r"1 rigid motion\(s\) of one of the 2 parts .* around \(0.5, 0.[123456]"):
         problem.Solve()
 
 

@@ -27,7 +27,7 @@ def tables(body, space=None):
 
 def facts(body):
     """What the body itself says."""
-    places = [(place.element, place.kind, place.area_plus, place.arclength) for c in range(len(body.cracks)) for place in body.Elements(c)]
+    places = [(place.element, place.kind, body.PartSizes(place.element), place.arclength) for c in range(len(body.cracks)) for place in body.Elements(c)]
     return places, [(tip.point, tip.ahead, tip.clearance, tip.limit) for tip in body.tips], body.notes
 
 

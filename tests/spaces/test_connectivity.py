@@ -22,7 +22,7 @@ def test_a_mouth_beside_a_vertex_leaves_two_parts(displacement, end):
     problem = ContactProblem(V, TraceSpace(body, order=1), Elasticity(1, 1))
     problem.f += CF((0, -1e-3)) * V.TestFunction() * body.dx
     if end[1] != 1:  # the lower part hangs free
-        with pytest.raises(SingularSystem, match="3 rigid motion"):
+        with pytest.raises(SingularSystem, match="1 rigid motion"):
             problem.Solve()
 
 
