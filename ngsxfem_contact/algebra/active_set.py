@@ -82,7 +82,7 @@ def solve_balanced(
 
     Notes
     -----
-    The active set is that of an augmented Lagrangian, Q + BBᵀ/ρ with α += (Bᵀp + pull)/ρ; on it p and α are found exactly. Raises NotConverged where contact
+    The active set is that of an augmented Lagrangian, Q + BBᵀ/ρ with α += (Bᵀp + pull)/ρ; on it p and α are found exactly. Raises SingularSystem where contact
     does not balance the load.
     """
     rho, alpha = np.linalg.norm(B, 2) ** 2 / (1e5 * np.diag(Q).max()), np.zeros(len(pull))

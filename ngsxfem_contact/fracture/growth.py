@@ -19,10 +19,12 @@ from ..protocols import GrowthCriterion, GrowthLaw, members
 from ..spaces.resolution import warn_of_short_increment
 from .growth_laws import MaximumHoopStress
 from .stress_intensity import is_closed
-from .tip_fields import TipFrame, distance_along
+from .tip_fields import TipFrame, boundary_segments, distance_along
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
+
+    from ngsolve import Mesh
 
     from ..contact.solution import ContactSolution
     from ..material import Isotropic
@@ -96,8 +98,8 @@ class CrackGrowth:
     Notes
     -----
     da should be three elements or more, AccuracyWarning says where it is less: behind a turn the tip's functions have room on the new part only. A turn
-    that the error of K_II may have made is none: the tip goes straight on, without a kink. A tip that comes within 2.5 elements of ∂Ω cuts through to it;
-    where that leaves a part of the body free to move, the growth ends. Every state is solved from the unloaded body: friction has no memory of the states
+    that the error of K_II may have made is none: the tip goes straight on, without a kink. A tip that comes within 2.5 elements of ∂Ω, or of another crack, goes on to it
+    and ends there; two tips that meet so become one crack's. Where that leaves a part of the body free to move, the growth ends. Every state is solved from the unloaded body: friction has no memory of the states
     before.
     """
 
@@ -214,37 +216,35 @@ class CrackGrowth:
         cracks, cycles = self._next
         frame = TipFrame(solution.body, tip_number(solution.body, *key))
         self._warned = self._warned or warn_of_short_increment(solution.body, frame.tip, advance)
-        obstacles = []
-        for trial in trials(cracks, row, frame, advance):
-            try:
-                check_room(CrackedMesh(solution.body.mesh, *trial), solution.problem.material, *key)
-            except Exception as obstacle:  # of the core: the new part leaves the body, meets a crack, or has no room
-                obstacles.append(obstacle)
-            else:
-                self._next, row.advance, row.state = (trial, cycles), advance, GROWS
-                return
-        if not self._cuts_through(solution, row, frame, advance):
-            row.state = self._ended[key] = f"stopped: {obstacles[0]}"
-
-    def _cuts_through(self, solution: ContactSolution, row: TipStep, frame: TipFrame, advance: float) -> bool:
-        """Whether the way ahead ends at ∂Ω before the advance, or so soon after it that no tip fits between; then the next state is cut there."""
-        cracks, cycles = self._next
-        point, direction = np.array(frame.tip.point), turned(frame, row.angle)
-        way = distance_along(solution.body.mesh, point, direction)
-        if way > advance + ROOM * frame.h:
-            return False
-        longer = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, None if row.angle == 0 else tuple(point), tuple(point + way * direction)))
+        if self._arrives(solution, row, frame, advance):
+            return
+        tip = tuple(np.array(frame.tip.point) + advance * turned(frame, row.angle))
+        trial = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tip))
         try:
-            fitted = CrackedMesh(solution.body.mesh, *longer)
+            check_room(CrackedMesh(solution.body.mesh, *trial), solution.problem.material, *key)
+        except Exception as obstacle:  # of the core: the new part leaves the body, meets its own crack, or has no room
+            row.state = self._ended[key] = f"stopped: {obstacle}"
+        else:
+            self._next, row.advance, row.state = (trial, cycles), advance, GROWS
+
+    def _arrives(self, solution: ContactSolution, row: TipStep, frame: TipFrame, advance: float) -> bool:
+        """Whether the way ahead ends at ∂Ω or on another crack before the advance, or so soon after it that no tip fits between; then the next state ends there."""
+        (cracks, cycles), mesh, key = self._next, solution.body.mesh, (row.crack, row.end)
+        arrival = arrival_of(mesh, cracks, row.crack, np.array(frame.tip.point), turned(frame, row.angle), advance, ROOM * frame.h)
+        if arrival is None:
+            return False
+        goal, what = arrival
+        try:
+            longer = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tuple(goal)))
+            fitted = CrackedMesh(mesh, *longer)
         except Exception:  # of the core, as in _grow
             return False
-        key = row.crack, row.end
         if any((tip.crack, ENDS[int(tip.s > 0)]) == key for tip in fitted.tips):
             return False
         end = fitted.cracks[row.crack].points[0 if row.end == "start" else -1]  # on the curve of ∂Ω
-        self._next, row.advance, row.state = (fitted.cracks, cycles), float(np.hypot(*np.subtract(end, point))), GROWS
+        self._next, row.advance, row.state = (fitted.cracks, cycles), float(np.hypot(*np.subtract(end, frame.tip.point))), GROWS
         self._cut[key] = end
-        self._ended[key] = f"has cut the body: it reached the boundary at ({end[0]:.6g}, {end[1]:.6g})"
+        self._ended[key] = f"{what} at ({end[0]:.6g}, {end[1]:.6g})"
         return True
 
     @property
@@ -300,15 +300,26 @@ class CrackGrowth:
         return animate(self.solutions, path, titles, scale, seconds)
 
 
-def trials(cracks: list[Crack], row: TipStep, frame: TipFrame, advance: float) -> Iterator[list[Crack]]:
-    """The cracks with the new part; with a kink also with it up to an element further ahead: a crack may pass an element once only."""
-    tip, ahead, direction = np.array(frame.tip.point), np.array(frame.tip.ahead), turned(frame, row.angle)
-    if row.angle == 0:
-        yield with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, None, tuple(tip + advance * direction)))
-        return
-    for shift in min(frame.h, 0.5 * advance) * np.linspace(0, 1, 9):
-        kink = tip + shift * ahead
-        yield with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tuple(kink), tuple(kink + (advance - shift) * direction)))
+def arrival_of(
+    mesh: Mesh, cracks: list[Crack], number: int, point: np.ndarray, direction: np.ndarray, advance: float, room: float
+) -> tuple[np.ndarray, str] | None:
+    """(where, what it does) of a crack that grows from a point: it meets ∂Ω or another crack within the advance and the room behind it, or comes so near to one.
+
+    None if there is room for a tip.
+    """
+    outlines = {c: np.array(crack.Outline(0.01)) for c, crack in enumerate(cracks) if c != number}
+    ways = [(distance_along(line[:-1], line[1:], point, direction), f"has joined crack {c}: it reached it") for c, line in outlines.items()]
+    way, what = min([(distance_along(*boundary_segments(mesh), point, direction), "has cut the body: it reached the boundary"), *ways])
+    if way <= advance + room:
+        return point + way * direction, what
+    tip = point + advance * direction
+    nearest = [(cracks[c].Distance(tuple(tip)), c) for c in outlines]
+    distance, other = min(nearest, default=(np.inf, -1))
+    if distance > room:
+        return None
+    goal = np.array(cracks[other].PointAt(cracks[other].ArcLength(tuple(tip))))
+    ahead = (goal - point) @ direction > 0.5 * np.linalg.norm(goal - point)
+    return (goal, f"has joined crack {other}: it came near") if ahead else None
 
 
 def turned(frame: TipFrame, angle: float) -> np.ndarray:
@@ -322,14 +333,17 @@ def with_crack(cracks: list[Crack], number: int, crack: Crack) -> list[Crack]:
     return [crack if i == number else other for i, other in enumerate(cracks)]
 
 
-def extended(crack: Crack, end: str, kink: tuple[float, float] | None, tip: tuple[float, float]) -> Crack:
-    """The crack with a straight new part up to a tip, from a kink at or ahead of its start or end; kink=None: its last straight piece is prolonged."""
-    between = [] if kink is None else [kink]
-    if all(kind == "segment" for kind, _ in crack.pieces):
-        return Crack([tip, *between, *crack.points[1:]] if end == "start" else [*crack.points[:-1], *between, tip])
-    old = crack.points[0 if end == "start" else -1]
-    new = [old, tip] if kink is None or np.hypot(*np.subtract(kink, old)) <= 1e-9 * crack.length else [old, kink, tip]
-    return Crack.Join(Crack(new[::-1]), crack) if end == "start" else Crack.Join(crack, Crack(new))
+def extended(crack: Crack, end: str, tip: tuple[float, float]) -> Crack:
+    """The crack with a straight new part from its start or end up to a tip; a last straight piece in the same direction is prolonged."""
+    old, pieces = crack.points[0 if end == "start" else -1], crack.pieces
+    kind, points = pieces[0 if end == "start" else -1]
+    if kind == "segment":
+        before = points[1 if end == "start" else 0]
+        (a, b), (c, d) = np.subtract(old, before), np.subtract(tip, old)
+        if a * c + b * d > 0 and abs(a * d - b * c) <= 1e-12 * np.hypot(a, b) * np.hypot(c, d):
+            old, pieces = before, pieces[1:] if end == "start" else pieces[:-1]
+    new = [("segment", [tip, old] if end == "start" else [old, tip])]
+    return Crack.OfPieces(new + pieces if end == "start" else pieces + new)
 
 
 def tip_number(body: CrackedMesh, crack: int, end: str) -> int:

@@ -130,16 +130,15 @@ def boundary_segments(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     return tuple(np.array([mesh[el.vertices[i]].point for el in outer]) for i in range(2))
 
 
-def distance_along(mesh: Mesh, point: np.ndarray, direction: np.ndarray) -> float:
-    """From a point inside in a direction of unit length to ∂Ω."""
-    a, b = boundary_segments(mesh)
+def distance_along(a: np.ndarray, b: np.ndarray, point: np.ndarray, direction: np.ndarray) -> float:
+    """From a point in a direction of unit length to the first of the segments from a to b, (n, 2) each; infinity if it meets none."""
     side = b - a
     across = direction[0] * side[:, 1] - direction[1] * side[:, 0]
     across = np.where(across == 0, np.nan, across)
     start = a - point
     way = (start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / across
     share = (start[:, 0] * direction[1] - start[:, 1] * direction[0]) / across
-    return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min()
+    return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min(initial=np.inf)
 
 
 def _angular(

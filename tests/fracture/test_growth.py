@@ -15,6 +15,7 @@ from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, Paris, WingCracks
 from ngsxfem_contact.fracture.growth import extended
 from ngsxfem_contact.fracture.stress_intensity import is_closed
+from ngsxfem_contact.geometry import EndKind
 from study.paper import MATERIAL
 
 EDGE = [Crack([(0, 0), (0.3, 0)])]
@@ -195,10 +196,30 @@ def test_a_cut_body_that_is_held_is_solved():
     assert len(growth.solutions) == 2 and abs(after["K_I"]) < 1e-9  # nothing pulls the lower part any more
 
 
-def test_another_crack_stops_a_tip():
-    _, rows = step(pulled, [Crack([(0, 0), (0.3, 0)]), Crack([(0.5, -0.2), (0.5, 0.2)])], GivenIncrement(0.25))
-    state = rows[0].state
-    assert state.startswith("stopped: ") and "crack" in state
+def test_a_tip_that_reaches_another_crack_joins_it():
+    growth = CrackGrowth(pulled, [Crack([(0, 0), (0.3, 0)]), Crack([(0.5, -0.1), (0.5, 0.1)])], GivenIncrement(0.15))
+    first, *_ = growth.Step()
+    assert first.advance == pytest.approx(0.2, abs=0.01) and first.state == "grows"
+    rows = growth.Step()
+    (joined,) = [row for row in rows if row.crack == 0]
+    assert joined.state.startswith("has joined crack 1: it reached it at (0.5, ") and joined.x == pytest.approx(0.5, abs=1e-12)
+    assert len(growth.solutions[-1].body.tips) == 2 and growth.solutions[-1].body.Ends(0)[1].kind == EndKind.Junction
+
+
+def test_two_tips_that_meet_become_one_crack():
+    """Both cracks end where they meet; nothing is left of the ligament."""
+    growth = CrackGrowth(pulled, [Crack([(0, 0), (0.25, 0)]), Crack([(0.42, 0.03), (0.62, 0.03)])], GivenIncrement(0.15))
+    growth.Step()
+    rows = growth.Step()
+    (joined,) = [row for row in rows if row.state.startswith("has joined")]
+    body = growth.solutions[-1].body
+    assert len(body.tips) == 1 and joined.crack in (0, 1)
+    assert sum(end.kind == EndKind.Junction for c in range(2) for end in body.Ends(c)) == 2
+
+
+def test_a_crack_beside_the_way_stops_a_tip():
+    _, rows = step(pulled, [Crack([(0, 0), (0.3, 0)]), Crack([(0.1, 0.1), (0.7, 0.1)])], GivenIncrement(0.15))
+    assert rows[0].state.startswith("stopped: ") and "crack" in rows[0].state
 
 
 def test_a_solve_that_fails_raises_and_keeps_the_table():
@@ -247,23 +268,21 @@ def test_laws_and_criteria_are_objects():
 
 def test_the_crack_keeps_its_orientation():
     crack = Crack([(0.2, 0), (0.5, 0)])
-    assert extended(crack, "start", (0.2, 0), (0.1, 0.1)).points == [(0.1, 0.1), (0.2, 0), (0.5, 0)]
-    assert extended(crack, "end", (0.51, 0), (0.6, 0.1)).points == [(0.2, 0), (0.51, 0), (0.6, 0.1)]
-    assert extended(crack, "end", None, (0.6, 0)).points == [(0.2, 0), (0.6, 0)]
+    assert extended(crack, "start", (0.1, 0.1)).points == [(0.1, 0.1), (0.2, 0), (0.5, 0)]
+    assert extended(crack, "end", (0.6, 0.1)).points == [(0.2, 0), (0.5, 0), (0.6, 0.1)]
+    assert extended(crack, "end", (0.6, 0)).points == [(0.2, 0), (0.6, 0)] == extended(Crack([(0.3, 0), (0.6, 0)]), "start", (0.2, 0)).points
 
 
 @pytest.mark.parametrize("end", ["start", "end"])
 def test_a_curve_is_extended_from_its_end(end):
-    """Straight, by way of a kink ahead of the tip where one is asked for."""
+    """Straight, with a kink where it ended."""
     arc = Crack.Arc((0.2, 0), (0.35, 0.08), (0.5, 0))
-    s = 0 if end == "start" else arc.length
-    tip, ahead = np.array(arc.PointAt(s)), np.array(arc.TangentAt(s)) * (-1 if end == "start" else 1)
-    for shift, kinks in ((0, 1), (0.03, 1)):
-        kink, new = tuple(tip + shift * ahead), tuple(tip + (0.05, -0.2))
-        longer = extended(arc, end, kink, new)
-        assert longer.length == pytest.approx(arc.length + shift + np.hypot(*np.subtract(new, kink)))
-        assert len(longer.kinks) == kinks and longer.points[0 if end == "start" else -1] == pytest.approx(new)
-        assert longer.TangentAt(0.5 * longer.length)[0] > 0  # orientation
+    tip = np.array(arc.PointAt(0 if end == "start" else arc.length))
+    new = tuple(tip + (0.05, -0.2))
+    longer = extended(arc, end, new)
+    assert longer.length == pytest.approx(arc.length + np.hypot(0.05, 0.2)) and len(longer.kinks) == 1
+    assert longer.points[0 if end == "start" else -1] == pytest.approx(new)
+    assert longer.TangentAt(0.5 * longer.length)[0] > 0  # orientation
 
 
 def test_table_and_animation(tmp_path):

@@ -1,6 +1,6 @@
 """Cracks that cross, end on each other, kink and close: how many of many random ones are solved, and stress intensity factors of stars.
 
-    python benchmarks/networks.py [kinks] [networks] [stars] [N]
+    python benchmarks/crack_networks.py [kinks] [networks] [stars] [N]
 
 `kinks`: N (default 200) two-segment cracks with kinks of 20 to 150 degrees anywhere; `networks`: N random networks of 2 to 12 cracks, closest distance
 0.01 and sharpest angle 5 degrees, five pairs and three meshes; both under a uniform pressure, which λ has to be, with the coercivity of K - K_γ. `stars`: the cases of
