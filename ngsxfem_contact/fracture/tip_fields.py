@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
 
-from ..spaces.tip_disk import distance_to_others
+from ..spaces.tip_disk import check_off_interface, distance_to_others
 
 if TYPE_CHECKING:
     from ngsolve import CoefficientFunction, Mesh
@@ -114,7 +114,9 @@ class TipFrame:
             Further pairs (distance, what).
         """
         point, crack = np.array(self.tip.point), self.crack
-        found = [*self.tip.distances, *obstacles, (distance_to_others(self.body.mesh, point, material), "another material")]
+        to_others = distance_to_others(self.body.mesh, point, material)
+        check_off_interface(self.tip, to_others)
+        found = [*self.tip.distances, *obstacles, (to_others, "another material")]
         path = np.array([crack.PointAt(s) for s in np.linspace(0, crack.length, 500)]) - point
         distance = np.hypot(*path.T)
         found.append((distance[0 if self.tip.s > 0 else -1], "the crack's other end"))

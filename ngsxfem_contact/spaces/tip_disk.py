@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from ..material import Isotropic
 
 
+ON_INTERFACE = 1e-9  # of a tip's clearance: nearer to another material is on it
+
+
 def largest_disk(body: CrackedMesh, tip: Tip, material: Isotropic | None = None) -> tuple[float, str]:
     """(radius, what limits it): the tip's clearance, and the distance to elements in which its functions would be wrong.
 
@@ -25,8 +28,19 @@ def largest_disk(body: CrackedMesh, tip: Tip, material: Isotropic | None = None)
     if body.mesh.GetCurveOrder() > 1:
         curved = body.mesh.ngmesh.Elements2D().NumPy()["curved"]
         limits.append((distance(body.mesh, np.flatnonzero(curved), tip.point), "a curved element"))
-    limits.append((distance_to_others(body.mesh, tip.point, material), "another material, for which the modes are wrong"))
+    to_others = distance_to_others(body.mesh, tip.point, material)
+    check_off_interface(tip, to_others)
+    limits.append((to_others, "another material, for which the modes are wrong"))
     return min(limits, key=lambda limit: limit[0])
+
+
+def check_off_interface(tip: Tip, to_others: float) -> None:
+    """Raises ValueError for a tip at no distance from another material."""
+    if to_others <= ON_INTERFACE * tip.clearance:
+        raise ValueError(
+            f"the tip at {place(tip.point)} lies on the interface of two materials, where stresses do not grow like 1/√r and K_I, K_II are not defined: end the crack "
+            "inside one material, or solve without tip functions (tip=None) and without K"
+        )
 
 
 def check_disk(who: str, body: CrackedMesh, tip: Tip, r1: float, material: Isotropic | None, remedy: str) -> None:
