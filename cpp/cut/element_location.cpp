@@ -267,10 +267,4 @@ namespace ngsxfem_contact
       if (double d = std::max(0.0, s-ahead->s1); d <= off) { best = ahead; off = d; }
     return elements[best->location];
   }
-
-  const ElementLocation * CrackLocation :: Find (size_t element) const
-  {
-    auto it = index.find(element);
-    return it == index.end() ? nullptr : &elements[it->second];
-  }
 }

@@ -62,7 +62,6 @@ namespace ngsxfem_contact
     CrackLocation (const MeshAccess & amesh, const Crack & acrack, std::vector<double> ameetings);
 
     const std::deque<ElementLocation> & Elements() const { return elements; }
-    const ElementLocation * Find (size_t element) const;
     /// The element that carries arc length s, or is nearest to it; of two that meet there the one in which the crack ends.
     const ElementLocation & At (double s) const;
     const std::multimap<size_t, CutBoundaryEdge> & BoundaryEdges() const { return boundary_edges; }
