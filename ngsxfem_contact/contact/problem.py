@@ -116,11 +116,13 @@ class ContactProblem:
         σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
     temperature
         ΔT, a number or CoefficientFunction, the change since the body was free of stress; the material needs alpha=.
+    friction
+        Tresca(s) or Coulomb(mu_f): another name of law.
 
     Raises
     ------
     TypeError
-        For other objects.
+        For other objects, and for both law= and friction=.
     ValueError
         For spaces on different bodies, a negative gap, an unknown cone, and modes of another material.
 
@@ -155,6 +157,7 @@ class ContactProblem:
         law: FaceLaw | Mapping[int, LawAtNodes | None] | None = None,
         initial_stress: CoefficientFunction | None = None,
         temperature: Coefficient | None = None,
+        friction: FaceLaw | None = None,
     ) -> None:
         check_type(V, core.CrackFESpace, "ContactProblem: V", "a CrackFESpace")
         check_type(W, core.TraceSpace, "ContactProblem: W", "a TraceSpace")
@@ -175,7 +178,9 @@ class ContactProblem:
         self.V, self.W, self.material = V, W, material
         self.stabilisation: Stabilisation = stabilisation if stabilisation is not None else Unstabilised()
         self.cone = CONES[cone]
-        self.law = law_of(law, V.body)
+        if law is not None and friction is not None:
+            raise TypeError("ContactProblem: friction= and law= both give the law of the faces; keep one of them")
+        self.law = law_of(friction if law is None else law, V.body)
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)

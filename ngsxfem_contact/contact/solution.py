@@ -238,6 +238,8 @@ class ContactSolution:
         """How far DissipatedEnergy() may be off because the threshold changes within the step: the difference of the trapezoidal from the end-point rule."""
         return self.state.work.error
 
+    FrictionWork, FrictionWorkError = DissipatedEnergy, DissipationError  # the same, for friction
+
     def FaceEnergy(self) -> float:
         """What the faces store and would give back, stress × length²: of joints, and of cohesive laws that unload. Joints of problem.a have no part in it."""
         return self.state.work.stored

@@ -76,9 +76,12 @@ def read_part(path: str | Path, maxh: float | None = None) -> Part:
     """
     path = Path(path)
     top = Table(read_toml(path), "the file", path)
-    values = top.Take({"title": text, **dict.fromkeys(ONE, subtable), **dict.fromkeys(MANY, tables)}, ("mesh", "material", "crack"))
+    values = top.Take({"title": text, **dict.fromkeys(ONE, subtable), **dict.fromkeys(MANY, tables), "friction": subtable}, ("mesh", "material", "crack"))
     one = {name: Table(values.get(name, {}), f"[{name}]", path) for name in ONE}
     many = {name: [Table(entry, f"[[{name}]] {i + 1}", path) for i, entry in enumerate(values.get(name, []))] for name in MANY}
+    if "friction" in values:
+        renamed = {"name" if key == "law" else key: value for key, value in values["friction"].items()}
+        many["law"].append(Table(renamed, "[friction]", path))
     if maxh is not None:
         if "rectangle" not in one["mesh"].values:
             one["mesh"].Refuse("another size is asked for, but the mesh is read from a file, which has its size")

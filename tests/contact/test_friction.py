@@ -542,3 +542,11 @@ def test_too_few_iterations_raise():
         coarse(law=Coulomb(0.3)).Solve(max_iterations=1)
     with pytest.raises(NotConverged, match="does not contract|no or several"):
         coarse(law=Coulomb(0.3, FixedPoint(max_iterations=2))).Solve()
+
+
+def test_friction_is_another_name_of_law():
+    problem = coarse(law=Coulomb(0.3))
+    named = ContactProblem(problem.V, problem.W, problem.material, friction=Coulomb(0.3))
+    assert named.law == problem.law
+    with pytest.raises(TypeError, match="friction= and law= both"):
+        ContactProblem(problem.V, problem.W, problem.material, law=Coulomb(0.3), friction=Coulomb(0.3))

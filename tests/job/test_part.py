@@ -105,6 +105,8 @@ def layered(file):
 def test_two_regions_of_gmsh_friction_and_pressure_on_the_faces(tmp_path, version):
     file = GMSH / f"layered-{version}.msh"
     (solution,) = part_of(tmp_path, LAYERED.format(file=file) + FRICTION).Solve()
+    friction = FRICTION.replace("[[law]]\nname", "[friction]\nlaw")  # the same
+    assert part_of(tmp_path, LAYERED.format(file=file) + friction).problem.law.mu_f is not None
     _, material, body = layered(file)
     V = CrackFESpace(body, order=2, material=material, dirichlet="bottom")
     problem = ContactProblem(V, TraceSpace(body), law=Coulomb(0.2 + 0.2 * x))
