@@ -228,10 +228,7 @@ class ContactSolution:
         return rows.OfPin(place)
 
     def DissipatedEnergy(self) -> float:
-        """What the faces dissipate in this load step, stress × length²: friction ∫λ_t Δg_t ≥ 0, and what cohesive laws lose; slip with its stabilising part, as at the nodes.
-
-        Friction after a previous step by the trapezoidal rule for the threshold, which may change on the way; a first step has its last threshold.
-        """
+        """What the faces dissipate in this load step, stress × length²: friction ∫λ_t Δg_t ≥ 0, with a threshold that changes by the trapezoidal rule, and what cohesive laws lose."""
         return self.state.work.dissipated
 
     def DissipationError(self) -> float:
