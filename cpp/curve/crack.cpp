@@ -82,22 +82,28 @@ namespace ngsxfem_contact
   void Crack :: MakeBoxes ()
   {
     std::vector<Box> all;
-    for (size_t piece = 0; piece < NumPieces(); piece++)
+    for (auto & arc : Arcs(0.25))
       {
-        constexpr double turn = 0.25;
-        auto s = Samples(piece, turn);
-        for (size_t i = 0; i+1 < s.size(); i++)
-          {
-            double sagitta = IsStraight(piece) ? 0 : 0.25*turn*(s[i+1]-s[i]);
-            all.push_back(BoxOf(std::array { pieces[piece]->PointAt(s[i]), pieces[piece]->PointAt(s[i+1]) }).Grown(sagitta));
-            piece_of.push_back(piece);
-          }
+        all.push_back(BoxOf(std::array { arc.a, arc.b }).Grown(2*arc.sagitta));
+        piece_of.push_back(arc.piece);
       }
     boxes = BoxTree(all);
   }
 
-  std::vector<double> Crack :: Samples (size_t piece, double turn) const
-  { return IsStraight(piece) ? std::vector<double> { 0, pieces[piece]->Length() } : pieces[piece]->Samples(turn); }
+  std::vector<Crack::Arc> Crack :: Arcs (double turn) const
+  {
+    std::vector<Arc> arcs;
+    for (size_t i = 0; i < NumPieces(); i++)
+      {
+        auto s = IsStraight(i) ? std::vector<double> { 0, pieces[i]->Length() } : pieces[i]->Samples(turn);
+        for (size_t k = 0; k+1 < s.size(); k++)
+          {
+            Point a = k == 0 ? points[i] : pieces[i]->PointAt(s[k]), b = k+2 == s.size() ? points[i+1] : pieces[i]->PointAt(s[k+1]);
+            arcs.push_back({ i, arclength[i]+s[k], arclength[i]+s[k+1], a, b, IsStraight(i) ? 0 : 0.125*turn*(s[k+1]-s[k]) });
+          }
+      }
+    return arcs;
+  }
 
   void Crack :: CheckPoints () const
   {
@@ -128,18 +134,7 @@ namespace ngsxfem_contact
   /// Curved pieces by their chords, which keep clear of each other by more than their sagittas.
   void Crack :: CheckSelfContact () const
   {
-    struct Chord { Point a, b; size_t piece; double sagitta; };
-    std::vector<Chord> chords;
-    for (size_t i = 0; i < NumPieces(); i++)
-      {
-        constexpr double turn = 0.02;
-        auto s = Samples(i, turn);
-        for (size_t k = 0; k+1 < s.size(); k++)
-          {
-            Point a = k == 0 ? points[i] : pieces[i]->PointAt(s[k]), b = k+2 == s.size() ? points[i+1] : pieces[i]->PointAt(s[k+1]);
-            chords.push_back({ a, b, i, IsStraight(i) ? 0 : 0.125*turn*(s[k+1]-s[k]) });
-          }
-      }
+    auto chords = Arcs(0.02);
     std::vector<Box> around;
     for (auto & chord : chords)
       around.push_back(BoxOf(std::array { chord.a, chord.b }).Grown(chord.sagitta + geometric_tolerance*Length()));

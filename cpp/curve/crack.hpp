@@ -67,6 +67,10 @@ namespace ngsxfem_contact
     /// Side of p with respect to Γ_C and, beyond its ends, to their straight extensions. Plus on Γ_C itself.
     Side SideOf (Point p) const;
 
+    /// A part of a piece that turns by at most `turn` (about), and how far it is from its chord.
+    struct Arc { size_t piece; double s0, s1; Point a, b; double sagitta; };
+    std::vector<Arc> Arcs (double turn) const;
+
     /// Points that follow the crack: the ends of the pieces, and of curved ones points between which they turn by `turn`.
     std::vector<Point> Outline (double turn) const;
 
@@ -78,7 +82,6 @@ namespace ngsxfem_contact
     void CheckSelfContact() const;
     void Measure();
     void MakeBoxes();
-    std::vector<double> Samples (size_t piece, double turn) const;
     Projection NearestOn (size_t piece, Point p) const;
   };
 

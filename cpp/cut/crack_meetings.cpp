@@ -9,25 +9,7 @@ namespace ngsxfem_contact
 
   namespace
   {
-    /// A part of a piece, nearly straight.
-    struct Arc { size_t piece; double s0, s1; Point a, b; double sagitta; };
-
-    std::vector<Arc> ArcsOf (const Crack & crack)
-    {
-      constexpr double turn = 0.02;
-      std::vector<Arc> arcs;
-      for (size_t i = 0; i < crack.NumPieces(); i++)
-        {
-          auto & piece = crack.Piece(i);
-          auto s = piece.IsStraight() ? std::vector<double> { 0, piece.Length() } : piece.Samples(turn);
-          for (size_t k = 0; k+1 < s.size(); k++)
-            {
-              double s0 = crack.ArcLength(i)+s[k], s1 = crack.ArcLength(i)+s[k+1];
-              arcs.push_back({ i, s0, s1, crack.PointAt(i, s0), crack.PointAt(i, s1), piece.IsStraight() ? 0 : 0.25*turn*(s1-s0) });
-            }
-        }
-      return arcs;
-    }
+    using Arc = Crack::Arc;
 
     /// The arc lengths at which two cracks meet.
     struct Meeting { double s, t; };
@@ -43,12 +25,13 @@ namespace ngsxfem_contact
 
       PairOfCracks (const Crack & aa, const Crack & ab, double atolerance) : a(aa), b(ab), tolerance(atolerance)
       {
-        auto of_a = ArcsOf(a), of_b = ArcsOf(b);
+        constexpr double turn = 0.02;
+        auto of_a = a.Arcs(turn), of_b = b.Arcs(turn);
         std::vector<Box> boxes;
-        for (auto & arc : of_b) boxes.push_back(BoxOf(std::array { arc.a, arc.b }).Grown(arc.sagitta + 2*tolerance));
+        for (auto & arc : of_b) boxes.push_back(BoxOf(std::array { arc.a, arc.b }).Grown(2*arc.sagitta + 2*tolerance));
         BoxTree tree(boxes);
         for (auto & arc : of_a)
-          tree.VisitMeeting(BoxOf(std::array { arc.a, arc.b }).Grown(arc.sagitta + 2*tolerance), [&] (size_t j) { Meet(arc, of_b[j]); });
+          tree.VisitMeeting(BoxOf(std::array { arc.a, arc.b }).Grown(2*arc.sagitta + 2*tolerance), [&] (size_t j) { Meet(arc, of_b[j]); });
       }
 
     private:

@@ -129,14 +129,13 @@ namespace ngsxfem_contact
         ngcore::Array<int> both;
         mesh->GetEdgeElements(edge, both);
         if (both.Size() < 2) continue;
+        std::ranges::sort(here.covered, {}, &CutEdge::Covered::t0);
         std::set<std::array<size_t,2>> links;
         for (auto & common : Overlaps(Along(both[0], edge), Along(both[1], edge), edge_round_off))
           {
-            auto covered = here.covered;
-            std::ranges::sort(covered, {}, &CutEdge::Covered::t0);
             double t = common.t0;
             bool open = false;
-            for (auto & crack : covered)
+            for (auto & crack : here.covered)
               {
                 open = open || std::min(crack.t0, common.t1)-t > edge_round_off;
                 t = std::max(t, crack.t1);

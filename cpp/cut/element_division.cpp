@@ -1,7 +1,6 @@
 #include "cut/element_division.hpp"
 #include "cut/crossing.hpp"
 #include <algorithm>
-#include <map>
 
 namespace ngsxfem_contact
 {
@@ -93,8 +92,7 @@ namespace ngsxfem_contact
 
   size_t ElementDivision :: MakeLeaf (const Polygon & polygon)
   {
-    size_t leaf = part_of.size();
-    part_of.push_back(leaf);
+    size_t leaf = cells.Add();
     for (auto & t : Fan(polygon)) triangles.push_back({ t, leaf, std::nullopt });
     nodes.push_back({ Node::Leaf, leaf, {}, {}, nullptr });
     return nodes.size()-1;
@@ -112,8 +110,7 @@ namespace ngsxfem_contact
     if (!crossing.IsWhole()) return std::nullopt;
     auto sides = crossing.Triangles();
     if (!sides) return std::nullopt;
-    size_t plus = part_of.size(), minus = plus+1;
-    part_of.insert(part_of.end(), { plus, minus });
+    size_t plus = cells.Add(), minus = cells.Add();
     for (int k : { 0, 1 })
       for (auto & t : (*sides)[k])
         {
@@ -121,7 +118,7 @@ namespace ngsxfem_contact
           triangles.back().part = plus+k;
         }
     for (auto & stretch : stretches)
-      if (!stretch.real) Merge(plus, minus);
+      if (!stretch.real) cells.Join(plus, minus);
       else facets.push_back({ stretch.chord, stretch.s0, stretch.s1, plus, minus });
     nodes.push_back({ Node::Crossed, plus, {}, {}, crossing.Curve() });
     return nodes.size()-1;
@@ -221,7 +218,7 @@ namespace ngsxfem_contact
                                          + " coincide near " + ToString(Point(first + t*along)) + "; give what they share once");
               crack = &stretch;
             }
-        if (!crack) { Merge(above->leaf, below->leaf); continue; }
+        if (!crack) { cells.Join(above->leaf, below->leaf); continue; }
         bool forward = Dot(crack->direction, along) > 0;
         auto arclength = [&] (double at) { return crack->s0 + std::clamp((forward ? 1 : -1)*(at-place(crack->a)), 0.0, crack->s1-crack->s0); };
         auto [s0, s1] = std::minmax({ arclength(t0), arclength(t1) });
@@ -267,25 +264,10 @@ namespace ngsxfem_contact
       }
   }
 
-  size_t ElementDivision :: Root (size_t leaf) const
-  {
-    while (part_of[leaf] != leaf) leaf = part_of[leaf];
-    return leaf;
-  }
-
-  void ElementDivision :: Merge (size_t leaf, size_t other)
-  {
-    auto [first, last] = std::minmax({ Root(leaf), Root(other) });
-    part_of[last] = first;
-  }
-
   void ElementDivision :: NumberParts ()
   {
-    std::map<size_t, size_t> number;
-    std::vector<size_t> numbered;
-    for (size_t leaf = 0; leaf < part_of.size(); leaf++) numbered.push_back(number.insert({ Root(leaf), number.size() }).first->second);
-    part_of = std::move(numbered);
-    areas.assign(number.size(), 0);
+    part_of = cells.Trees();
+    areas.assign(std::ranges::max(part_of)+1, 0);
     for (auto & t : triangles)
       {
         t.part = part_of[t.part];

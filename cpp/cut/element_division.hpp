@@ -6,6 +6,7 @@
 // there is a facet of Γ_C between two parts. So sides follow from what is connected, for any number of cracks that cross,
 // end on each other, kink or come back.
 
+#include "cut/forest.hpp"
 #include "cut/part_triangle.hpp"
 #include <memory>
 #include <optional>
@@ -84,7 +85,8 @@ namespace ngsxfem_contact
     double tolerance;                        // lengths below are none, nor are distances of corners from a line: there neighbours agree
     double round_off;                        // distances of other points from a line below are none: smaller, so that tiny cells keep their shape
     std::vector<Node> nodes;
-    std::vector<size_t> part_of;             // by leaf; a forest of merged cells at first
+    Forest cells;                            // by leaf: which belong to one part
+    std::vector<size_t> part_of;             // by leaf
     std::vector<PartTriangle> triangles;
     std::vector<Facet> facets;
     std::vector<double> areas;
@@ -114,8 +116,6 @@ namespace ngsxfem_contact
     void Compare (size_t node, const Polygon & polygon, const std::vector<double> & d, const Stretches & on);
     void Follow (size_t node, Point p, Point q, double t0, double t1, std::vector<Passage> & passages) const;
     void FollowCrossing (const Node & node, Point p, Point q, double t0, double t1, std::vector<Passage> & passages) const;
-    size_t Root (size_t leaf) const;
-    void Merge (size_t leaf, size_t other);
     void NumberParts ();
     void JoinFacets ();
   };

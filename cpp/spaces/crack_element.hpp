@@ -25,6 +25,7 @@ namespace ngsxfem_contact
     std::optional<size_t> part;
     std::optional<CrackSides> sides;
   public:
+    PlacedPoint () = default;
     PlacedPoint (double xi, double eta, Point ax) : ip(xi, eta, 0, 0), x(ax) { }
     Point Place () const { return x; }
     size_t PartOf (const ElementParts & parts)

@@ -1,7 +1,6 @@
 // N_H: which functions φ_i of V_h have copies, one for each connected part of their supports but the largest.
 
 #include "spaces/crack_fespace.hpp"
-#include <numeric>
 
 namespace ngsxfem_contact
 {
@@ -66,29 +65,19 @@ namespace ngsxfem_contact
     return component[first[here-elements.begin()] + part.part];
   }
 
-  namespace
+  /// visit(i, j, edge) for two elements of a support, in the mesh's order, that share an edge.
+  template <typename F>
+  void CrackFESpace :: VisitNeighbours (const Support & support, F && visit) const
   {
-    /// Numbers that are joined, and in the end counted.
-    class Forest
-    {
-      std::vector<size_t> parent;
-    public:
-      explicit Forest (size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-      size_t Root (size_t i) const { while (parent[i] != i) i = parent[i]; return i; }
-      void Join (size_t i, size_t j)
-      {
-        auto [first, last] = std::minmax({ Root(i), Root(j) });
-        parent[last] = first;
-      }
-      /// Of each its tree, numbered from 0.
-      std::vector<size_t> Trees () const
-      {
-        std::map<size_t, size_t> number;
-        std::vector<size_t> trees;
-        for (size_t i = 0; i < parent.size(); i++) trees.push_back(number.insert({ Root(i), number.size() }).first->second);
-        return trees;
-      }
-    };
+    for (size_t i = 0; i < support.elements.size(); i++)
+      for (auto edge : ma->GetElement(ElementId(VOL, support.elements[i])).Edges())
+        {
+          Array<int> both;
+          ma->GetEdgeElements(edge, both);
+          if (both.Size() < 2 || size_t(both[0]) != support.elements[i]) continue;
+          if (auto other = std::ranges::find(support.elements, size_t(both[1])); other != support.elements.end())
+            visit(i, size_t(other-support.elements.begin()), edge);
+        }
   }
 
   CrackFESpace::Support CrackFESpace :: SupportOf (NodeId node) const
@@ -103,17 +92,8 @@ namespace ngsxfem_contact
         else sizes.push_back(Area(VerticesOf(*ma, element)));
       }
     Forest forest(sizes.size());
-    for (size_t i = 0; i < support.elements.size(); i++)
-      for (auto edge : ma->GetElement(ElementId(VOL, support.elements[i])).Edges())
-        {
-          Array<int> both;
-          ma->GetEdgeElements(edge, both);
-          if (both.Size() < 2 || size_t(both[0]) != support.elements[i]) continue;
-          auto other = std::ranges::find(support.elements, size_t(both[1]));
-          if (other == support.elements.end()) continue;
-          for (auto [here, there] : Geometry().Links(edge))
-            forest.Join(support.first[i]+here, support.first[other-support.elements.begin()]+there);
-        }
+    VisitNeighbours(support, [&] (size_t i, size_t j, size_t edge)
+    { for (auto [here, there] : Geometry().Links(edge)) forest.Join(support.first[i]+here, support.first[j]+there); });
     support.component = forest.Trees();
     for (size_t part = 0; part < sizes.size(); part++)
       {
@@ -129,15 +109,7 @@ namespace ngsxfem_contact
   {
     if (node.GetType() != NT_VERTEX) return;
     Forest elements(support.elements.size());
-    for (size_t i = 0; i < support.elements.size(); i++)
-      for (auto edge : ma->GetElement(ElementId(VOL, support.elements[i])).Edges())
-        {
-          Array<int> both;
-          ma->GetEdgeElements(edge, both);
-          for (auto neighbour : both)
-            if (auto other = std::ranges::find(support.elements, size_t(neighbour)); other != support.elements.end())
-              elements.Join(i, other-support.elements.begin());
-        }
+    VisitNeighbours(support, [&] (size_t i, size_t j, size_t) { elements.Join(i, j); });
     if (std::ranges::max(elements.Trees()) > 0)
       throw Exception("CrackFESpace: the crack passes through the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
                       + ", where parts of the body hang together by this point alone; lead it beside the vertex");

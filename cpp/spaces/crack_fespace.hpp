@@ -101,6 +101,8 @@ namespace ngsxfem_contact
     void FindEnrichment ();
     void EnrichNode (ngcomp::NodeId node);
     Array<int> ElementsOf (ngcomp::NodeId node) const;
+    template <typename F>
+    void VisitNeighbours (const Support & support, F && visit) const;
     Support SupportOf (ngcomp::NodeId node) const;
     void CheckHinge (ngcomp::NodeId node, const Support & support) const;
     /// Lengths of Γ_C between two components: on the plus and on the minus side of a crack.

@@ -49,12 +49,12 @@ namespace ngsxfem_contact
     Vec<2,SIMD<double>> PointOf (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
     { auto p = mir.GetPoints(); return { p(i,0), p(i,1) }; }
 
-    std::vector<PlacedPoint> Placed (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
+    std::array<PlacedPoint, lanes> Placed (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
     {
-      std::vector<PlacedPoint> points;
+      std::array<PlacedPoint, lanes> points;
       auto x = PointOf(mir, i);
       auto & ip = mir.IR()[i];
-      for (size_t lane = 0; lane < lanes; lane++) points.emplace_back(ip(0)[lane], ip(1)[lane], Point(x(0)[lane], x(1)[lane]));
+      for (size_t lane = 0; lane < lanes; lane++) points[lane] = { ip(0)[lane], ip(1)[lane], Point(x(0)[lane], x(1)[lane]) };
       return points;
     }
 
@@ -90,6 +90,11 @@ namespace ngsxfem_contact
   void CrackDiffOp :: VisitTips (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, size_t i, F && visit) const
   {
     if (fel.Tips().Size() == 0) return;
+    if (trace != Trace::Larger)                             // the same side for all points
+      {
+        PlacedPoint anywhere;
+        return VisitTips(fel, PointOf(mir, i), fel.ForcedSide(trace, anywhere), visit);
+      }
     std::array<int,lanes> sides;
     auto at = Placed(mir, i);
     for (size_t lane = 0; lane < lanes; lane++) sides[lane] = fel.ForcedSide(trace, at[lane]);
@@ -204,7 +209,7 @@ namespace ngsxfem_contact
     void VisitPolynomial (const CrackFiniteElement & fel, Trace trace, F && visit)
     {
       size_t nd = fel.Scalar().GetNDof();
-      PlacedPoint anywhere(0.3, 0.3, Point(0., 0.));
+      PlacedPoint anywhere;
       for (size_t j = 0; j < fel.Heaviside().Size(); j++)
         {
           auto & function = fel.Heaviside()[j];

@@ -155,6 +155,7 @@ namespace ngsxfem_contact
     CheckDivision(adivision);
     for (size_t c = 0; c < adivision.size(); c++) EndAtMeetings(c, adivision[c]);
     division = make_shared<ArcLengths>(std::move(adivision));
+    FindSpans();
     if (order == 0) return;
     ngfem::ComputeGaussLobattoRule(order+1, lobatto, weights);
     std::ranges::sort(lobatto);                         // inner points come in falling order
@@ -210,30 +211,29 @@ namespace ngsxfem_contact
 
   /// Intervals are longer than 4 tolerances (MeshNodes), chords longer than one; an end of a chord lies on a node or less than
   /// 4 tolerances behind it.
-  std::vector<TraceBasis::Span> TraceBasis :: SpansIn (size_t element) const
+  void TraceBasis :: FindSpans ()
   {
-    std::vector<Span> spans;
-    auto & cut = *body->Find(element);
     for (size_t arm = 0; arm < arms.size(); arm++)
       {
-        auto here = cut.Find(arms[arm].crack);
-        if (!here) continue;
-        double tolerance = body->Location(here->crack).Tolerance();
-        auto & s = division->All()[here->crack];
-        std::set<size_t> met;
-        for (auto & chord : here->location->chords)
+        auto & location = body->Location(arms[arm].crack);
+        auto & s = division->All()[arms[arm].crack];
+        for (auto & here : location.Elements())
           {
-            size_t lo = std::ranges::upper_bound(s, chord.s0+0.5*tolerance) - s.begin() - 1;
-            size_t hi = std::ranges::lower_bound(s, chord.s1-4.001*tolerance) - s.begin();
-            lo = std::min(lo, s.size()-2);
-            for (size_t i = lo; i < std::max(hi, lo+1); i++)
-              if (i >= arms[arm].lo && i < arms[arm].hi) met.insert(i);
+            std::set<size_t> met;
+            for (auto & chord : here.chords)
+              {
+                size_t lo = std::ranges::upper_bound(s, chord.s0+0.5*location.Tolerance()) - s.begin() - 1;
+                size_t hi = std::ranges::lower_bound(s, chord.s1-4.001*location.Tolerance()) - s.begin();
+                lo = std::min(lo, s.size()-2);
+                for (size_t i = lo; i < std::max(hi, lo+1); i++)
+                  if (i >= arms[arm].lo && i < arms[arm].hi) met.insert(i);
+              }
+            auto & in_element = spans[here.element];
+            for (size_t i : met)
+              if (!in_element.empty() && in_element.back().arm == arm && in_element.back().hi == i) in_element.back().hi++;
+              else in_element.push_back({ arm, i, i+1 });
           }
-        for (size_t i : met)
-          if (!spans.empty() && spans.back().arm == arm && spans.back().hi == i) spans.back().hi++;
-          else spans.push_back({ arm, i, i+1 });
       }
-    return spans;
   }
 
   template <typename F>
@@ -279,7 +279,7 @@ namespace ngsxfem_contact
 
   void NodalTraceBasis :: GetDofNrs (size_t element, Array<DofId> & dnums) const
   {
-    for (auto & [arm, lo, hi] : SpansIn(element))
+    for (auto & [arm, lo, hi] : spans.at(element))
       {
         size_t n = order ? (hi-lo)*order+1 : hi-lo, from = lo-arms[arm].lo;
         for (size_t i = 0; i < n; i++) dnums.Append(first[arm] + (order ? from*order : from) + i);
@@ -288,7 +288,7 @@ namespace ngsxfem_contact
 
   FiniteElement & NodalTraceBasis :: GetFE (size_t element, Allocator & alloc) const
   {
-    return MakeElement(element, SpansIn(element), alloc, [&] (const Span & span) -> TraceElement &
+    return MakeElement(element, spans.at(element), alloc, [&] (const Span & span) -> TraceElement &
     {
       size_t crack = arms[span.arm].crack;
       return *new (alloc) NodalTraceElement (body->Cracks()[crack], FlatArray<const double>(span.hi-span.lo+1, division->All()[crack].data()+span.lo),
@@ -323,7 +323,7 @@ namespace ngsxfem_contact
   std::vector<TraceBasis::Span> MeshTraceBasis :: ArmsIn (size_t element) const
   {
     std::vector<Span> in_element;
-    for (auto & span : SpansIn(element))
+    for (auto & span : spans.at(element))
       if (!in_element.empty() && in_element.back().arm == span.arm) in_element.back().hi = span.hi;
       else in_element.push_back(span);
     return in_element;

@@ -50,13 +50,14 @@ namespace ngsxfem_contact
   protected:
     /// Consecutive intervals of an arm that meet an element.
     struct Span { size_t arm, lo, hi; };
-    std::vector<Span> SpansIn (size_t element) const;
+    std::map<size_t, std::vector<Span>> spans;          // by element
     /// The functions of an element: what `make` gives for each of some spans.
     template <typename F>
     FiniteElement & MakeElement (size_t element, const std::vector<Span> & spans, ngcore::Allocator & alloc, F && make) const;
 
   private:
     void CheckDivision (const std::vector<std::vector<double>> & adivision) const;
+    void FindSpans ();
     void EndAtMeetings (size_t crack, std::vector<double> & s);
     void AddArm (size_t crack, size_t lo, size_t & hi, std::vector<double> & s);
   };

@@ -14,7 +14,7 @@ from ngsolve import BitArray
 
 from ..algebra.matrices import csr_view, mask
 from ..errors import SingularSystem
-from ..spaces.connectivity import HELD, FreeMotions, RigidMotions
+from ..spaces.connectivity import FreeMotions, RigidMotions, without_effect
 from ..spaces.unknowns import Unknowns
 
 if TYPE_CHECKING:
@@ -51,8 +51,7 @@ class PinnedMotions:
             return
         fixed = ~mask(problem.free)
         self.R = np.where(fixed[:, None], 0, free.Coefficients())
-        _, sizes, directions = np.linalg.svd(self.R[Unknowns(problem.V).heaviside], full_matrices=True)
-        self._refuse(directions[np.append(sizes, np.zeros(len(directions) - len(sizes))) < HELD], free)
+        self._refuse(without_effect(self.R[Unknowns(problem.V).heaviside]), free)
         self.centres, self.free = free.centres, free
 
     def __len__(self) -> int:
@@ -66,9 +65,8 @@ class PinnedMotions:
     def CheckFelt(self, jumps: np.ndarray, weights: np.ndarray) -> None:
         """Raises SingularSystem for motions that do not change the gaps; jumps: (n, r), weighted gaps of the motions at n nodes with weights."""
         if len(self):
-            _, sizes, directions = np.linalg.svd(jumps / weights[:, None], full_matrices=True)
-            sizes = np.append(sizes, np.zeros(len(directions) - len(sizes)))
-            self._refuse(directions[sizes < HELD * sizes[0]], self.free)
+            means = jumps / weights[:, None]
+            self._refuse(without_effect(means, float(np.linalg.norm(means, 2))), self.free)
 
     def Without(self, free: BitArray, stiffness: BaseMatrix) -> BitArray:
         """The unknowns that neither supports nor pins take away.

@@ -107,7 +107,18 @@ class Cohesive(LawWithCoefficients):
 
 
 @dataclass(frozen=True)
-class LinearCohesive(Cohesive):
+class CohesiveWithEnergy(Cohesive):
+    """Those that separate: with a strength, a stress, and the work G_c that it takes."""
+
+    strength: Coefficient
+    G_c: Coefficient
+    beta: Coefficient = 1.0
+
+    positive = ("G_c", "beta")
+
+
+@dataclass(frozen=True)
+class LinearCohesive(CohesiveWithEnergy):
     """A cohesive crack with f = strength (1 - κ/κ_c), κ_c = 2 G_c / strength.
 
     Parameters
@@ -125,12 +136,6 @@ class LinearCohesive(Cohesive):
         For coefficients that make no sense.
     """
 
-    strength: Coefficient
-    G_c: Coefficient
-    beta: Coefficient = 1.0
-
-    positive = ("G_c", "beta")
-
     @property
     def softening(self) -> Coefficient:
         """At the beginning."""
@@ -143,7 +148,7 @@ class LinearCohesive(Cohesive):
 
 
 @dataclass(frozen=True)
-class ExponentialCohesive(Cohesive):
+class ExponentialCohesive(CohesiveWithEnergy):
     """A cohesive crack with f = strength exp(-κ strength / G_c).
 
     Parameters
@@ -156,12 +161,6 @@ class ExponentialCohesive(Cohesive):
     ValueError
         For coefficients that make no sense.
     """
-
-    strength: Coefficient
-    G_c: Coefficient
-    beta: Coefficient = 1.0
-
-    positive = ("G_c", "beta")
 
     @property
     def softening(self) -> Coefficient:

@@ -81,13 +81,11 @@ class SplitMesh:
         fan = components(triangles.size, np.concatenate([a, next_corner(a)]), np.concatenate([next_corner(b), b]))
         lip_corners = np.stack([edge, next_corner(edge)], axis=1)
         self.corner = np.empty(fan.max() + 1, dtype=int)
-        self.corner[fan] = inside = np.arange(triangles.size)
-        self.corner[fan[lip_corners]] = values_from
+        self.corner[fan] = np.arange(triangles.size)
         several = on_several_cracks(triangles.ravel()[lip_corners], edge_crack)
         self.meeting = np.isin(triangles.ravel()[self.corner], several)
-        own = np.empty_like(self.corner)
-        own[fan] = inside
-        self.corner[self.meeting] = own[self.meeting]
+        of_one = ~np.isin(triangles.ravel()[lip_corners], several)
+        self.corner[fan[lip_corners][of_one]] = values_from[of_one]
         self.points, self.triangles = points[triangles.ravel()[self.corner]], fan.reshape(-1, 3)
         self.lips, self.lip_edges, self.lip_side, self.lip_crack = fan[lip_corners], edge, edge_side, edge_crack
         self.point_side = np.zeros(len(self.points), dtype=int)

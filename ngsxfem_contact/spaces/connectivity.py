@@ -160,11 +160,15 @@ class RigidMotions:
 
     def Free(self, fixed: np.ndarray, springs: StiffnessForm) -> FreeMotions | None:
         """Those that are not held, or None if all parts are; fixed, springs: see Constraints."""
-        constraints, parts = self.Constraints(fixed, springs), self.copies.parts
-        triangle = np.linalg.qr(np.concatenate([constraints, np.zeros((3 * parts, 3 * parts))]), mode="r")
-        _, sizes, motions = np.linalg.svd(triangle)
-        free = motions[sizes < HELD].reshape(-1, parts, 3)
-        return FreeMotions(self, free) if len(free) else None
+        free = without_effect(self.Constraints(fixed, springs))
+        return FreeMotions(self, free.reshape(-1, self.copies.parts, 3)) if len(free) else None
+
+
+def without_effect(rows: np.ndarray, size: float = 1.0) -> np.ndarray:
+    """(number, n): orthonormal combinations of the columns of rows (m, n) that are smaller than HELD × size, by a matrix of n columns only."""
+    n = rows.shape[1]
+    _, sizes, combinations = np.linalg.svd(np.linalg.qr(np.concatenate([rows, np.zeros((n, n))]), mode="r"))
+    return combinations[sizes < HELD * size]
 
 
 @dataclass
