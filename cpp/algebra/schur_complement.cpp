@@ -89,6 +89,7 @@ namespace ngsxfem_contact
           rows[block] = Matrix<>();
           columns[block] = {};
         }
+    ParallelFor(S.Height(), [&] (size_t i) { S.Row(i).Range(i+1, S.Width()) = S.Col(i).Range(i+1, S.Height()); });
     return std::move(S);
   }
 
@@ -136,14 +137,21 @@ namespace ngsxfem_contact
   {
     auto & active = columns[block];
     auto diag = factors.GetDiag();     // the inverse pivots
-    Matrix<> scaled(Z.Height(), Z.Width()), product(Z.Width());
+    Matrix<> scaled(Z.Height(), Z.Width());
     for (size_t i = 0; i < Z.Height(); i++)
       scaled.Row(i) = diag[factors.BlockDofs(block).First()+i] * Z.Row(i);
-    OnColumns(Z.Width(), double(Z.Height()) * Z.Width() * Z.Width(),
-              [&] (IntRange part) { product.Cols(part) = Trans(Z) * scaled.Cols(part); });
-    for (size_t i = 0; i < active.size(); i++)
-      for (size_t j = 0; j < active.size(); j++)
-        S(active[i], active[j]) += product(i,j);
+    constexpr size_t strip = 128;                                // rows of S at once, each up to the diagonal
+    size_t strips = (Z.Width()+strip-1) / strip;
+    auto add = [&] (size_t number)
+    {
+      IntRange part(number*strip, std::min((number+1)*strip, Z.Width()));
+      Matrix<> product = Trans(Z.Cols(part)) * scaled.Cols(0, part.Next());
+      for (auto i : part)
+        for (size_t j = 0; j <= i; j++)
+          S(active[i], active[j]) += product(i-part.First(), j);
+    };
+    if (strips > 1) ParallelFor(strips, add, 4*strips);
+    else add(0);
   }
 
   int NumNegativePivots (const ngla::SparseCholeskyTM<double> & factors)

@@ -38,12 +38,13 @@ namespace ngsxfem_contact
       const CrackedMesh & body;
       const MeshAccess & mesh;
       const std::vector<TipQuadrature> & tips;
+      const BoxTree & disks;       // of the tips, by their boxes
       const RuleKind & kind;
       int order;
 
     public:
-      RuleMaker (const CrackedMesh & abody, const std::vector<TipQuadrature> & atips, const RuleKind & akind, int aorder)
-        : body(abody), mesh(*body.GetMesh()), tips(atips), kind(akind), order(aorder) { }
+      RuleMaker (const CrackedMesh & abody, const std::vector<TipQuadrature> & atips, const BoxTree & adisks, const RuleKind & akind, int aorder)
+        : body(abody), mesh(*body.GetMesh()), tips(atips), disks(adisks), kind(akind), order(aorder) { }
 
       shared_ptr<RuleTable> Table (VorB vb) const
       { return vb == BND ? BoundaryTable() : kind.domain == Domain::Crack ? CrackTable() : VolumeTable(); }
@@ -51,14 +52,24 @@ namespace ngsxfem_contact
     private:
       using Tips = std::vector<const TipQuadrature*>;
 
-      /// Those whose disks meet a triangle, or an element of the mesh.
+      /// Those whose disks meet a place in a box: a triangle, or an element of the mesh.
       template <typename... PLACE>
-      Tips TipsNear (const PLACE & ... place) const
+      Tips TipsIn (const Box & box, const PLACE & ... place) const
       {
         Tips near;
-        for (auto & tip : tips)
-          if (tip.Disk().Meets(place...)) near.push_back(&tip);
+        if (tips.size())
+          disks.VisitMeeting(box, [&] (size_t i) { if (tips[i].Disk().Meets(place...)) near.push_back(&tips[i]); });
+        std::ranges::sort(near);
         return near;
+      }
+
+      Tips TipsNear (const Triangle & t) const { return TipsIn(BoxOf(t), t); }
+
+      /// Of a boundary element.
+      Tips TipsNearEdge (size_t element) const
+      {
+        EdgeMap edge(mesh, element);
+        return TipsIn(BoxOf(std::array { edge.Value(0), edge.Value(1) }), mesh, ElementId(BND, element));
       }
 
       /// nullptr if there is none.
@@ -151,16 +162,19 @@ namespace ngsxfem_contact
         return MakeRule(points, [&] (Point p, double weight) { return map.InReference(p, weight); });
       }
 
+      /// Those with parts of Γ_C beside them, or of one crack: what measures on Γ_C and on larger parts are restricted to.
+      shared_ptr<ngcore::BitArray> CrackElements () const { return body.CrackElements(kind.crack); }
+
       shared_ptr<RuleTable> VolumeTable () const
       {
         auto table = make_shared<RuleTable>(mesh.GetNE(VOL));
+        auto needed = CrackElements();
+        for (auto & [element, cut] : body.CutElements())
+          if (needed->Test(element)) table->Add(element, VolumeRule(element));
+        if (kind.domain == Domain::Larger || tips.empty()) return table;
         for (size_t element = 0; element < mesh.GetNE(VOL); element++)
           {
-            if (body.Find(element))
-              {
-                table->Add(element, VolumeRule(element));
-                continue;
-              }
+            if (body.Find(element)) continue;
             auto t = VerticesOf(mesh, element);
             auto near = TipsNear(t);
             if (near.empty()) continue;
@@ -197,8 +211,10 @@ namespace ngsxfem_contact
         auto table = make_shared<RuleTable>(mesh.GetNE(VOL));
         ArcLengths none({});
         auto & division = kind.division ? dynamic_cast<const ArcLengths&>(*kind.division) : none;
+        auto needed = CrackElements();
         for (auto & [element, cut] : body.CutElements())
           {
+            if (!needed->Test(element)) continue;
             ElementMap map(mesh, element);
             auto maker = map.IsCurved() ? Raised() : *this;
             PointRule points;
@@ -213,7 +229,7 @@ namespace ngsxfem_contact
       std::unique_ptr<ElementRule> BoundaryRule (size_t element, std::vector<double> cuts) const
       {
         EdgeMap edge(mesh, element);
-        auto near = TipsNear(mesh, ElementId(BND, element));
+        auto near = TipsNearEdge(element);
         for (auto tip : near)                             // divided half-way between two tips
           for (auto other : near)
             if (double x = edge.Crossing(Lerp(tip->tip, other->tip, 0.5), Point(other->tip-tip->tip)); x > 0 && x < 1)
@@ -242,7 +258,7 @@ namespace ngsxfem_contact
         for (size_t c = 0; c < body.NumCracks(); c++)
           for (auto & [element, edge] : body.Location(c).BoundaryEdges()) cuts[element].push_back(1-edge.along);
         for (size_t element = 0; !tips.empty() && element < mesh.GetNE(BND); element++)
-          if (!TipsNear(mesh, ElementId(BND, element)).empty()) cuts[element];
+          if (!TipsNearEdge(element).empty()) cuts[element];
         auto table = make_shared<RuleTable>(mesh.GetNE(BND));
         for (auto & [element, on_edge] : cuts) table->Add(element, BoundaryRule(element, on_edge));
         return table;
@@ -252,8 +268,13 @@ namespace ngsxfem_contact
 
   BodyRules :: BodyRules (shared_ptr<const CrackedMesh> abody, TipDemands ademands) : body(std::move(abody)), demands(std::move(ademands))
   {
+    std::vector<Box> boxes;
     for (auto & [tip, demand] : demands)
-      tips.push_back({ demand, body->Tips().at(tip).curve, body->Tips()[tip].point });
+      {
+        tips.push_back({ demand, body->Tips().at(tip).curve, body->Tips()[tip].point });
+        boxes.push_back(BoxOf(std::array { tips.back().tip }).Grown(tips.back().Radius()));
+      }
+    disks = BoxTree(boxes);
   }
 
   shared_ptr<const RuleTable> BodyRules :: Table (const RuleKind & kind, VorB vb, int order) const
@@ -261,7 +282,7 @@ namespace ngsxfem_contact
     body->CheckMesh();
     std::lock_guard guard(mutex);
     auto & table = tables[{ kind, vb, order }];
-    if (!table) table = RuleMaker(*body, tips, kind, order).Table(vb);
+    if (!table) table = RuleMaker(*body, tips, disks, kind, order).Table(vb);
     return table;
   }
 

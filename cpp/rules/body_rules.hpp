@@ -55,6 +55,7 @@ namespace ngsxfem_contact
     shared_ptr<const CrackedMesh> body;
     TipDemands demands;
     std::vector<TipQuadrature> tips;
+    BoxTree disks;               // the boxes of their disks
     mutable std::map<std::tuple<RuleKind, VorB, int>, shared_ptr<const RuleTable>> tables;
     mutable std::mutex mutex;
 

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .compliance import Compliance
+
 
 class Balance:
     """The problem in this form.
@@ -27,7 +29,7 @@ class Balance:
 
     Attributes
     ----------
-    matrix
+    compliance
         P Q P + κ U Uᵀ.
     """
 
@@ -35,11 +37,14 @@ class Balance:
         self.Q, self.B, self.unit = Q, B, np.sqrt(weights)
         self.U, self.sizes, self.Vt = np.linalg.svd(B / self.unit[:, None], full_matrices=False)
         if not B.shape[1]:
-            self.matrix = Q
+            self.compliance = Compliance(Q)
             return
-        scaled = self._projected(self._projected(Q / self.unit / self.unit[:, None]).T)
-        kappa = np.trace(scaled) / max(len(Q) - B.shape[1], 1)
-        self.matrix = (scaled + kappa * self.U @ self.U.T) * self.unit * self.unit[:, None]
+        W = (Q @ (self.U / self.unit[:, None])) / self.unit[:, None]
+        inner = self.U.T @ W
+        kappa = (np.diag(Q) @ self.unit**-2 - np.trace(inner)) / max(len(Q) - B.shape[1], 1)
+        A = self.unit[:, None] * (W - 0.5 * self.U @ (inner + kappa * np.eye(len(inner))))
+        V = self.unit[:, None] * self.U
+        self.compliance = Compliance(Q - np.hstack([A, V]) @ np.hstack([V, A]).T)
 
     def _projected(self, columns: np.ndarray) -> np.ndarray:
         return columns - self.U @ (self.U.T @ columns)
@@ -55,5 +60,5 @@ class Balance:
         """α for α̂."""
         if not self.B.shape[1]:
             return alpha
-        w = self.matrix @ p + self.RightSide(q, pull) + self.B @ alpha
+        w = self.compliance.matrix @ p + self.RightSide(q, pull) + self.B @ alpha
         return self.Vt.T @ ((self.U.T @ ((w - self.Q @ p - q) / self.unit)) / self.sizes)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 from ngsolve import BaseMatrix, BitArray
+from pyngcore import SuspendTaskManager
 
 from .. import _ngsxfem_contact as core
 from ..protocols import DirectSolver
@@ -146,7 +147,8 @@ class Elimination:
         K = scipy.sparse.vstack([self.border_rows, self.C]).tocsc()
         self.factors = factorise(matrix, inner, K, inverse)
         self.name = self.factors.name
-        self._eliminate_border(self.factors.schur)
+        with SuspendTaskManager():  # its threads take turns with those of dense algebra otherwise
+            self._eliminate_border(self.factors.schur)
 
     def _eliminate_border(self, schur: np.ndarray) -> None:
         t = len(self.border)

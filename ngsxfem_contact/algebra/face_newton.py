@@ -7,6 +7,9 @@ the trial traction y, so that
 
 m the weights of the nodes. The law holds exactly in every iterate; what becomes small is the difference of the law's jump and that of the body.
 F' is regular for rigid nodes (g' = 0), where it is Q, and for free ones (g' = 1/c), where it is m/c: no stiffness is too large or too small.
+A step dy is found from dg = g' dy at the nodes that are not rigid, with Q⁻¹ = P:
+
+    (1 - g' (c - P m)) dg = -g' P F,      dy = -P F + (c - P m) dg.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ..errors import NotConverged
+from .compliance import Compliance
 from .face_relations import Memory, Relation
 
 logger = logging.getLogger(__name__)
@@ -32,7 +36,7 @@ class FaceProblem:
     Parameters
     ----------
     Q, q
-        (2 n, 2 n) and (2 n,), normal components first: Q t + q are minus the weighted jumps for tractions t.
+        The Compliance, and (2 n,), normal components first: Q t + q are minus the weighted jumps for tractions t.
     weights
         (n,), m.
     relation
@@ -45,7 +49,7 @@ class FaceProblem:
         (2 n, r), minus the weighted jumps of r rigid motions, and (r,), the work of the load on them: F = m g + Q t + q + motions α, motionsᵀ t + pull = 0.
     """
 
-    Q: np.ndarray
+    Q: Compliance
     q: np.ndarray
     weights: np.ndarray
     relation: Relation
@@ -72,7 +76,7 @@ class FaceProblem:
     @cached_property
     def _by_jump(self) -> np.ndarray:
         """m - Q c, and below it what the parts feel, -Bᵀ c."""
-        return np.concatenate([np.diag(self.m) - self.Q * self.c.ravel(), -self.B.T * self.c.ravel()])
+        return np.concatenate([np.diag(self.m) - self.Q.matrix * self.c.ravel(), -self.B.T * self.c.ravel()])
 
     def Trial(self, z: np.ndarray) -> np.ndarray:
         """y, (2, n)."""
@@ -90,31 +94,75 @@ class FaceProblem:
         """(2 n + r,), lengths: the jump of the law less that of the body, and what the parts lack of balance."""
         g = self.Jump(z)
         t = (self.Trial(z) - self.c * g).ravel()
-        return np.append(self.m * g.ravel() + self.Q @ t + self.q + self.B @ z[len(self.q) :], self.B.T @ t + self.pull) / self.units
+        return np.append(self.m * g.ravel() + self.Q.matrix @ t + self.q + self.B @ z[len(self.q) :], self.B.T @ t + self.pull) / self.units
 
     def Matrix(self, z: np.ndarray) -> np.ndarray:
         """The derivative of units × Residual."""
         _, D = self.relation.Jump(self.Trial(z), self.c, self.before)
         normal, tangential = np.hsplit(self._by_jump, 2)
-        by_y = np.concatenate([self.Q, self.B.T]) + np.hstack([normal * D[0, k] + tangential * D[1, k] for k in range(2)])
+        by_y = np.concatenate([self.Q.matrix, self.B.T]) + np.hstack([normal * D[0, k] + tangential * D[1, k] for k in range(2)])
         return np.hstack([by_y, np.concatenate([self.B, np.zeros((len(self.pull),) * 2)])])
 
     def Scale(self, z: np.ndarray) -> np.ndarray:
         """(2 n + r,): what a residual is compared with, the largest of the terms that cancel in it, for jumps and for the balance of parts."""
         g, number = self.Jump(z), len(self.q)
-        jumps = (self.q, self.m * g.ravel(), self.Q @ (self.c * g).ravel(), self.B @ z[number:])
+        jumps = (self.q, self.m * g.ravel(), self.Q.matrix @ (self.c * g).ravel(), self.B @ z[number:])
         forces = (self.pull, np.abs(self.B.T) @ np.abs(self.Traction(z).ravel()))
         largest = [max(np.abs(term / units).max(initial=0) for term in terms) for terms, units in ((jumps, self.m), (forces, self.units[number:]))]
         return np.repeat(largest, (number, len(self.pull)))
 
     def Tied(self) -> np.ndarray:
         """z where no node moves: the tractions of a body without cracks."""
-        matrix = np.block([[self.Q, self.B], [self.B.T, np.zeros((len(self.pull),) * 2)]])
-        return np.linalg.solve(matrix, -np.append(self.q, self.pull))
+        return self._step(np.zeros((2, 2, len(self.weights))), -np.append(self.q, self.pull))
+
+    def Step(self, z: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """Of Newton's method. Raises numpy.linalg.LinAlgError."""
+        return self._step(self.relation.Jump(self.Trial(z), self.c, self.before)[1], -self.units * residual)
+
+    def _step(self, D: np.ndarray, rhs: np.ndarray) -> np.ndarray:
+        """x of Matrix x = rhs for g' = D, with one step of refinement."""
+        x = self._with_inverse(D, rhs)
+        t = (self.Trial(x) - self.c * self._jump(D, x)).ravel()
+        done = np.append(self.m * self._jump(D, x).ravel() + self.Q.matrix @ t + self.B @ x[len(self.q) :], self.B.T @ t)
+        return x + self._with_inverse(D, rhs - done)
+
+    def _jump(self, D: np.ndarray, x: np.ndarray) -> np.ndarray:
+        return np.einsum("ikn,kn->in", D, self.Trial(x))
+
+    def _with_inverse(self, D: np.ndarray, rhs: np.ndarray) -> np.ndarray:
+        size, n = len(self.q), len(self.weights)
+        P, (W, S) = self.Q.inverse, self._by_motion
+        rigid = np.flatnonzero(~D.any(axis=1).ravel())
+        moves = np.setdiff1d(np.arange(size), rigid)  # rows of g' that are not zero
+        there, c, m = moves % n, self.c.ravel(), self.m
+
+        def tied(f: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            alpha = np.linalg.solve(S, W.T @ f - h)
+            return P @ f - W @ alpha, alpha
+
+        y, alpha = tied(rhs[:size], rhs[size:])
+        if not len(moves):
+            return np.append(y, alpha)
+        by_y = D.reshape(2, 2, n)[moves // n, :, there].T  # of each moving row by the two components of y there
+        matrix = np.eye(len(moves))
+        for k in range(2):
+            rows = there + k * n
+            column = P[np.ix_(rows, moves)] - W[rows] @ np.linalg.solve(S, W[moves].T)
+            matrix += by_y[k][:, None] * (column * m[moves] - np.where(rows[:, None] == moves, c[moves], 0))
+        g = np.zeros(size)
+        g[moves] = np.linalg.solve(matrix, sum(by_y[k] * y[there + k * n] for k in range(2)))
+        still, back = tied(m * g, np.zeros(len(self.pull)))
+        return np.append(y + c * g - still, alpha - back)
+
+    @cached_property
+    def _by_motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Q⁻¹ B, and Bᵀ Q⁻¹ B."""
+        W = self.Q.inverse @ self.B
+        return W, self.B.T @ W
 
     def With(self, t: np.ndarray, g: np.ndarray) -> np.ndarray:
         """z of tractions and jumps that are known."""
-        known = self.m * g.ravel() + self.Q @ t.ravel() + self.q
+        known = self.m * g.ravel() + self.Q.matrix @ t.ravel() + self.q
         return np.append(t + self.c * g, np.linalg.lstsq(self.B, -known)[0])
 
 
@@ -172,7 +220,7 @@ def newton(problem: FaceProblem, z: np.ndarray, max_iterations: int, advance: Ad
         if (np.abs(residual) <= tolerance * np.maximum(first, problem.Scale(z))).all():  # the way may lead to zero
             return z, iteration
         try:
-            step = np.linalg.solve(problem.Matrix(z), -problem.units * residual)
+            step = problem.Step(z, residual)
         except np.linalg.LinAlgError:
             raise Stuck("its matrix is singular") from None
         z, residual = advance(problem, z, step, residual)

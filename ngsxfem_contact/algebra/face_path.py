@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import NotConverged
 from .face_newton import FaceProblem, Stuck
 
-FAR = 5.0  # how many steps faces may go back while others go ahead
+FAR = 5.0  # how many steps faces may go back while others go ahead, and the load beyond zero
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class FacePath:
             if (np.abs(residual) <= tolerance * np.maximum(first, problem.Scale(z))).all() and abs(growth - step) <= 1e-9 * step:
                 return PathPoint(z, t), iteration
             matrix = np.block([[problem.Matrix(z), self.q_1[:, None]], [derivative, np.zeros(1)]])
-            rows = 1 / np.abs(matrix).max(axis=1)  # lengths below, weighted jumps above
+            rows = 1 / np.maximum(np.abs(matrix).max(axis=1), np.finfo(float).tiny)  # lengths below, weighted jumps above
             try:
                 change = np.linalg.solve(rows[:, None] * matrix, -rows * np.append(problem.units * residual, growth - step))
             except np.linalg.LinAlgError:
@@ -111,12 +111,20 @@ class FacePath:
             raise
 
     def _near(self, point: PathPoint, iterations: int, step: float) -> tuple[PathPoint, int]:
-        """The same; raises Stuck for a point far away, where all faces go back by much more than the step: another path, of a load of the other sign as a rule."""
+        """The same; raises Stuck for a point on another path: where faces go back by much more than the step, those that are ahead turn round, or the load does."""
         growth, _ = self.Growths(point.z)
-        if growth.max() > step * (1 + 1e-6) or growth.min() < -FAR * step:
+        if growth.max() > step * (1 + 1e-6) or growth.min() < -FAR * step or self._turns(point, growth > 0.5 * step):
             nodes = np.argsort(-self.problem.relation.Progress(self.problem.Trial(self.last.z), self.problem.c, self.problem.before)[0])
             raise Stuck("the point that it found is on another path", nodes[:3].tolist())
         return point, iterations
+
+    def _turns(self, point: PathPoint, ahead: np.ndarray) -> bool:
+        """Whether nodes go against their last step, or the load jumps to the other sign."""
+        if self.earlier is None:
+            return False
+        before, now, after = (self.problem.Jump(at.z)[:, ahead] for at in (self.earlier, self.last, point))
+        reverses = point.t * self.last.t < 0 and abs(point.t - self.last.t) > FAR * abs(self.last.t - self.earlier.t)
+        return reverses or bool(((after - now) * (now - before)).sum() < 0)
 
     def Step(self, step: float, max_iterations: int, smallest: float = 1e-3) -> tuple[PathPoint, int]:
         """The same, in parts of the step where Newton's method does not take it at once. Raises NotConverged."""

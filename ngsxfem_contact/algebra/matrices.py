@@ -8,11 +8,15 @@ import numpy as np
 import scipy
 from ngsolve import CreateVVector, Projector
 
+from .. import _ngsxfem_contact as core
+
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     from ngsolve import BaseMatrix, BilinearForm, BitArray
     from scipy.sparse import csc_matrix, csr_matrix
 
-from .. import _ngsxfem_contact as core
+    Matrix: TypeAlias = "np.ndarray | csr_matrix"
 
 
 def mask(bits: BitArray) -> np.ndarray:
@@ -33,6 +37,28 @@ def csr_view(matrix: BaseMatrix) -> csr_matrix:
     """The same without a copy: valid as long as the matrix is."""
     values, columns, rows = (np.asarray(part) for part in matrix.CSR())
     return scipy.sparse.csr_matrix((values, columns, rows), shape=(matrix.height, matrix.width), copy=False)
+
+
+def is_identity(B: Matrix) -> bool:
+    """Of a sparse matrix; False for a dense one."""
+    return not isinstance(B, np.ndarray) and B.shape[0] == B.shape[1] == B.nnz and bool((B.tocsr().indices == np.arange(B.nnz)).all() and (B.data == 1).all())
+
+
+def product(A: np.ndarray, B: Matrix) -> np.ndarray:
+    """A B of a dense and any matrix; the identity costs nothing."""
+    return A if is_identity(B) else A @ B
+
+
+def added(A: np.ndarray, B: csr_matrix) -> np.ndarray:
+    """A + B, dense."""
+    A, B = A.copy(), B.tocoo()
+    np.add.at(A, (B.row, B.col), B.data)
+    return A
+
+
+def congruent(T: Matrix, S: np.ndarray) -> np.ndarray:
+    """Tᵀ S T."""
+    return S if is_identity(T) else T.T @ (S @ T)
 
 
 def assembled(form: BilinearForm, elements: np.ndarray) -> csr_matrix:

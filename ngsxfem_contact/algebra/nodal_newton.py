@@ -28,6 +28,7 @@ from ..arguments import check_positive, check_whole
 from ..errors import NotConverged
 from .active_set import ROUND_OFF
 from .box_path import AT_LOWER, AT_UPPER, INSIDE, follow_path
+from .compliance import Compliance
 
 if TYPE_CHECKING:
     from ngsolve.comp import SumOfIntegrals
@@ -101,25 +102,57 @@ class Cycle(Exception):
         self.states = states
 
 
-def solve_states(Q: np.ndarray, q: np.ndarray, threshold: Threshold, states: States) -> tuple[np.ndarray, np.ndarray]:
+def solve_states(Q: Compliance, q: np.ndarray, threshold: Threshold, states: States) -> tuple[np.ndarray, np.ndarray]:
     """p and w for given states: w_n = 0 in contact, w_t = 0 where the node sticks, p_n = 0 and p_t = 0, s or -s elsewhere."""
     contact, m = states.contact, len(states.contact)
     stick = states.tangential == STICK
     sign = np.where(stick, 0, states.tangential)
     follows = np.where(contact, -sign * threshold.slope, 0)  # of p_t with p_n where the node slips
     unknown = np.concatenate([contact, stick])
-    p = np.concatenate([np.zeros(m), sign * threshold.base])
-    matrix = Q[np.ix_(unknown, unknown)]
-    number = np.count_nonzero(contact)
-    matrix[:, :number] += Q[unknown, m:][:, contact] * follows[contact]
-    p[unknown] = np.linalg.solve(matrix, -(q + Q @ p)[unknown])
-    p[m:] += follows * p[:m]
-    w = Q @ p + q
+    base = np.concatenate([np.zeros(m), sign * threshold.base])
+    solve = _by_inverse if 2 * np.count_nonzero(unknown) > len(q) else _by_block
+    p = solve(Q, q, base, follows, unknown)
+    p[m:] = np.where(stick, p[m:], base[m:] + follows * p[:m])
+    w = Q.matrix @ p + q
     w[unknown] = 0
     return p, w
 
 
-def first_states(Q: np.ndarray, q: np.ndarray, threshold: Threshold, contact: np.ndarray) -> States:
+def _by_block(Q: Compliance, q: np.ndarray, base: np.ndarray, follows: np.ndarray, unknown: np.ndarray) -> np.ndarray:
+    """p with w = 0 where it is unknown, p_n = 0 and p_t = base + follows p_n elsewhere: equations for the unknown."""
+    m, p = len(follows), np.where(unknown, 0, base)
+    contact, number = unknown[:m], np.count_nonzero(unknown[:m])
+    matrix = Q.matrix[np.ix_(unknown, unknown)]
+    matrix[:, :number] += Q.matrix[unknown, m:][:, contact] * follows[contact]
+    p[unknown] = np.linalg.solve(matrix, -(q + Q.matrix @ p)[unknown])
+    return p
+
+
+def _by_inverse(Q: Compliance, q: np.ndarray, base: np.ndarray, follows: np.ndarray, unknown: np.ndarray) -> np.ndarray:
+    """The same: equations for the w of the others."""
+    m, known = len(follows), np.flatnonzero(~unknown)
+    slides = known >= m
+    partner = known[slides] - m  # whose normal part p_t follows
+    factor = follows[partner]
+    matrix = Q.inverse[np.ix_(known, known)]
+    matrix[slides] -= factor[:, None] * Q.inverse[np.ix_(partner, known)]
+
+    def solved(rest: np.ndarray, given: np.ndarray) -> np.ndarray:
+        still = Q.inverse @ rest
+        forces = given + still[known]
+        forces[slides] -= factor * still[partner]
+        w = np.zeros(len(rest))
+        w[known] = np.linalg.solve(matrix, forces)
+        return Q.inverse @ w - still
+
+    p = solved(q, base[known])
+    rest = np.where(unknown, Q.matrix @ p + q, 0)
+    wrong = base[known] - p[known]
+    wrong[slides] += factor * p[partner]
+    return p + solved(rest, wrong)  # one step of refinement
+
+
+def first_states(Q: Compliance, q: np.ndarray, threshold: Threshold, contact: np.ndarray) -> States:
     """States for given nodes in contact: all nodes with a threshold stick, if that exceeds no threshold; else all slip as without friction.
 
     Slip regions shrink in a few Newton steps, sticking ones from their ends only, a node or two in each step.
@@ -148,7 +181,7 @@ def next_states(p: np.ndarray, w: np.ndarray, r: np.ndarray, threshold: Threshol
     return States(contact, np.where(s > 0, tangential, FREE))
 
 
-def newton(Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
+def newton(Q: Compliance, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
     """A NodalResult; raises Cycle, and NotConverged after max_iterations.
 
     Parameters
@@ -176,18 +209,18 @@ def newton(Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, st
     )
 
 
-def safeguarded(Q: np.ndarray, q: np.ndarray, s: np.ndarray, states: States) -> NodalResult:
+def safeguarded(Q: Compliance, q: np.ndarray, s: np.ndarray, states: States) -> NodalResult:
     """For given thresholds: the path from given states (box_path), p_n ≤ 0 and |p_t| ≤ s being its bounds; a NodalResult."""
     m, tangential = len(s), states.tangential
     lower, upper = np.concatenate([np.full(m, -np.inf), -s]), np.concatenate([np.zeros(m), s])
     contact = np.where(states.contact, INSIDE, AT_UPPER)
     start = np.concatenate([contact, np.where(tangential == STICK, INSIDE, np.where(tangential == SLIP_MINUS, AT_LOWER, AT_UPPER))])
-    p, found, changes = follow_path(Q, q, lower, upper, start)
+    p, found, changes = follow_path(Q.matrix, q, lower, upper, start)
     slips = np.where(found[m:] == INSIDE, STICK, np.where(found[m:] == AT_UPPER, SLIP_PLUS, SLIP_MINUS))
     return NodalResult(p, [States(found[:m] == INSIDE, np.where(s > 0, slips, FREE))], changes)
 
 
-def fixed_threshold(Q: np.ndarray, q: np.ndarray, s: np.ndarray, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
+def fixed_threshold(Q: Compliance, q: np.ndarray, s: np.ndarray, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
     """The problem with given thresholds: Newton's method, and where it cycles a path."""
     threshold = Threshold(s, np.zeros(len(s)))
     try:
@@ -201,13 +234,13 @@ class NodalMethod(ABC):
     """How a law with friction finds p = (p_n, p_t) at m nodes from w = Q p + q."""
 
     @abstractmethod
-    def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
+    def Solve(self, Q: Compliance, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
         """A NodalResult.
 
         Parameters
         ----------
-        Q : (2 m, 2 m) array
-            Positive definite, in any scaling.
+        Q : Compliance
+            Of 2 m components, in any scaling.
         q : (2 m,) array
             At the nodes, normal parts first.
         threshold : Threshold
@@ -244,7 +277,7 @@ class FixedPoint(NodalMethod):
         check_positive(self.tolerance, "FixedPoint: tolerance")
         check_whole(self.max_iterations, "FixedPoint: max_iterations", 1)
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
+    def Solve(self, Q: Compliance, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
         """A NodalResult; raises NotConverged where the thresholds do not settle."""
         m = len(start.contact)
         s, result, changes = threshold.At(np.zeros(m), start.contact), None, []
@@ -267,7 +300,7 @@ class FixedPoint(NodalMethod):
         """Whether the last change is within the tolerance, or small and no longer falling: the round-off of an ill-conditioned Q is all that is left."""
         return changes[-1] <= self.tolerance or (len(changes) > 5 and round_off > changes[-1] > 0.5 * changes[-6])
 
-    def _finished(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, result: NodalResult) -> NodalResult:
+    def _finished(self, Q: Compliance, q: np.ndarray, threshold: Threshold, r: np.ndarray, result: NodalResult) -> NodalResult:
         """With one Newton step from the states found, if it confirms them: p then satisfies the law to round-off."""
         last = result.states[-1]
         states = States(last.contact, np.where(threshold.At(result.p[: len(last.contact)], last.contact) > 0, last.tangential, FREE))
@@ -293,7 +326,7 @@ class FullNewton(NodalMethod):
 
     safeguard: FixedPoint = FixedPoint()
 
-    def Solve(self, Q: np.ndarray, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
+    def Solve(self, Q: Compliance, q: np.ndarray, threshold: Threshold, r: np.ndarray, start: States, max_iterations: int) -> NodalResult:
         """A NodalResult; raises NotConverged."""
         if threshold.is_fixed:
             result = fixed_threshold(Q, q, threshold.base, r, start, max_iterations)

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 from ngsolve import CF, BilinearForm, Grad, InnerProduct, specialcf
 
+from ..algebra.compliance import Compliance
 from ..algebra.elimination import Elimination, unit_scale
 from ..algebra.matrices import csr_view, mask, to_scipy
 from ..errors import NotCoercive, SingularSystem, warn
@@ -64,7 +65,7 @@ def check_size(roots: np.ndarray, what: str, limit: float = 1e145) -> None:
         raise ValueError(f"{what} is too {size}: its energy is about ({largest:.1e})², beyond double precision; take other units of length or stress")
 
 
-def check_multiplier(Q: np.ndarray, weights: np.ndarray, modulus: float, stabilised: bool, tolerance: float = 1e-10) -> None:
+def check_multiplier(compliance: Compliance, weights: np.ndarray, modulus: float, stabilised: bool, tolerance: float = 1e-10) -> None:
     """Raises SingularSystem if there are multipliers that no displacement feels: the pair of spaces is not stable.
 
     Parameters
@@ -76,6 +77,9 @@ def check_multiplier(Q: np.ndarray, weights: np.ndarray, modulus: float, stabili
     stabilised
         By some γ.
     """
+    inverse, Q = compliance.symmetric_inverse, compliance.matrix
+    if inverse is not None and tolerance * (weights * (np.abs(inverse) @ weights)).max(initial=0) < modulus:
+        return  # no eigenvalue of the inverse exceeds its largest sum of a row
     values = np.linalg.eigvalsh(0.5 * modulus * (Q + Q.T) / weights / weights[:, None])
     deficient = int((values < tolerance).sum())
     if deficient:

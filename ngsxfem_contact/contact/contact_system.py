@@ -134,13 +134,14 @@ class ContactSystem:
         """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E."""
         return self.E
 
-    def Distribute(self, L: np.ndarray) -> np.ndarray:
-        """The coefficients of C's rows in the forces on the displacements, Cᵀ Distribute(L)."""
-        return L
+    @property
+    def distribution(self) -> csr_matrix:
+        """From L to the coefficients of C's rows in the forces on the displacements, Cᵀ distribution L."""
+        return scipy.sparse.identity(self.E.shape[0], format="csr")
 
     def Forces(self, L: np.ndarray) -> np.ndarray:
         """What L exerts on the displacements, (B - C_γ)ᵀ L."""
-        return self.C.T @ self.Distribute(L)
+        return self.C.T @ (self.distribution @ L)
 
     def Stiffness(self, U: np.ndarray) -> np.ndarray:
         """(K - K_γ) U for an array U."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from ..algebra.compliance import Compliance
     from ..protocols import Cone, Nodes
 
 
@@ -97,7 +98,9 @@ class Faces:
     Parameters
     ----------
     compliance
-        (k n,), the diagonal of Q.
+        Q.
+    own
+        (k n,), what the traction at a node moves itself: the diagonal of Q, whatever parts of the body only the faces hold.
     history
         Their FaceHistory; None: nothing has happened.
     motions
@@ -112,7 +115,8 @@ class Faces:
 
     nodes: Nodes
     cone: Cone
-    compliance: np.ndarray
+    compliance: Compliance
+    own: np.ndarray
     history: FaceHistory | None = None
     motions: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     pull: np.ndarray = field(default_factory=lambda: np.zeros(0))
@@ -130,7 +134,7 @@ class Faces:
     @cached_property
     def stiffness(self) -> np.ndarray:
         """(k, n), stress / length: what the body opposes to a jump at one node alone."""
-        return self.jump_weights / (self.compliance.reshape(-1, len(self.nodes)) * self.traction_weights)
+        return self.jump_weights / (self.own.reshape(-1, len(self.nodes)) * self.traction_weights)
 
     def Tractions(self, p: np.ndarray) -> np.ndarray:
         """(k, n) stresses."""

@@ -22,7 +22,10 @@ from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
 from .faces import FaceWork
 
+UNIQUENESS_PAYS = 1000  # nodes; beyond, the eigenvalue problems of the proof cost more than the solution
+
 if TYPE_CHECKING:
+    from ..algebra.matrices import Matrix
     from ..material import Coefficient
     from ..protocols import Cone, FaceLaw, Nodes, Points
     from .faces import Faces, Scales
@@ -93,12 +96,13 @@ class Friction(ABC):
         if contact.shape != (len(q) // 2,):
             raise ValueError(f"start has {contact.size} entries, there are {len(q) // 2} nodal signs; give one boolean for each, or a ContactSolution")
         q = slip_since(q, faces)
-        result = self.method.Solve(Q, q, threshold, 1 / np.diag(Q), first_states(Q, q, threshold, contact), max_iterations)
+        compliance = faces.compliance
+        result = self.method.Solve(compliance, q, threshold, 1 / compliance.diagonal, first_states(compliance, q, threshold, contact), max_iterations)
         report.iterations, report.fallback, report.method = result.iterations, result.fallback, result.method
         report.active = [states.contact for states in result.states]
         report.tangential = [states.tangential for states in result.states]
         report.threshold_changes = result.threshold_changes
-        report.uniqueness = self.Uniqueness(Q, threshold)
+        report.uniqueness = self.Uniqueness(Q, threshold) if len(contact) <= UNIQUENESS_PAYS else None
         return result.p
 
     def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
@@ -199,7 +203,7 @@ class Coulomb(Friction):
 
     Notes
     -----
-    The law may have several solutions for a large mu_f. `report.uniqueness` below 1 proves that there is one. NotConverged is raised where none is found.
+    The law may have several solutions for a large mu_f. `report.uniqueness` below 1 proves that there is one (None on more than 1,000 nodes, where the proof would cost more than the solution). NotConverged is raised where none is found.
     """
 
     mu_f: float | CoefficientFunction
@@ -241,6 +245,9 @@ def checked_values(nodes: Points, function: Coefficient, name: str) -> np.ndarra
     return values
 
 
-def transformation(law: FaceLaw, cone: Cone, nodes: Nodes) -> np.ndarray:
-    """L = T p for all components of the multiplier."""
-    return scipy.linalg.block_diag(*[cone.Transformation(nodes)] * len(law.components))
+def transformation(law: FaceLaw, cone: Cone, nodes: Nodes) -> Matrix:
+    """L = T p for all components of the multiplier; sparse where most of it is zero."""
+    T, number = cone.Transformation(nodes), len(law.components)
+    if np.count_nonzero(T) < 0.1 * T.size:
+        return scipy.sparse.block_diag([scipy.sparse.csr_matrix(T)] * number, format="csr")
+    return scipy.linalg.block_diag(*[T] * number)

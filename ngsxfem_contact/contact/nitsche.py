@@ -232,9 +232,11 @@ class NitscheSystem(ContactSystem):
         """E, and γR beside it unless θ = 1."""
         return self.E if self.theta == 1 else scipy.sparse.vstack([self.E, self.R], format="csr")
 
-    def Distribute(self, L: np.ndarray) -> np.ndarray:
-        """E_θᵀ L = Eᵀ L - (1 - θ) Rᵀ L."""
-        return L if self.theta == 1 else np.concatenate([L, (self.theta - 1) * L])
+    @property
+    def distribution(self) -> csr_matrix:
+        """E_θᵀ = Eᵀ - (1 - θ) Rᵀ."""
+        identity = super().distribution
+        return identity if self.theta == 1 else scipy.sparse.vstack([identity, (self.theta - 1) * identity], format="csr")
 
 
 def component_rows(problem: ContactProblem, nodes: CrackPoints) -> tuple[list[csr_matrix], list[csr_matrix]]:

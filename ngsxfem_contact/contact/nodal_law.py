@@ -38,12 +38,12 @@ class NodalLaw(ABC):
     def At(self, nodes: Points) -> Relation:
         """The Relation, its coefficients evaluated. Raises ValueError for coefficients that make no sense somewhere."""
 
-    def Problem(self, Q: np.ndarray, q: np.ndarray, faces: Faces) -> FaceProblem:
+    def Problem(self, q: np.ndarray, faces: Faces) -> FaceProblem:
         """The FaceProblem of w = Q p + q."""
         a = np.tile(faces.traction_weights, 2)
         relation = self.At(faces.nodes)
         c, B = relation.Stiffness(faces.stiffness), a[:, None] * faces.motions.reshape(len(q), -1)
-        return FaceProblem(a[:, None] * Q * a, a * q, faces.nodes.weights, relation, c, before(faces), B, faces.pull)
+        return FaceProblem(faces.compliance.Scaled(a), a * q, faces.nodes.weights, relation, c, before(faces), B, faces.pull)
 
     def Start(self, problem: FaceProblem, known: FaceHistory | None) -> np.ndarray:
         """The z of the problem to begin with: that of tractions and jumps that are known; else that of faces that do not move, whatever touched in another solution.
@@ -54,7 +54,7 @@ class NodalLaw(ABC):
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | FaceHistory | None, report: Report, max_iterations: int) -> np.ndarray:
         """p = (p_n, p_t), and α; raises NotConverged."""
-        problem = self.Problem(Q, q, faces)
+        problem = self.Problem(q, faces)
         known = start if isinstance(start, FaceHistory) else faces.history
         result = solve_faces(problem, self.Start(problem, known), max_iterations)
         report.iterations, report.method = result.iterations, result.method

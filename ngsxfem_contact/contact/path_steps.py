@@ -100,4 +100,4 @@ class PathSteps:
 
     def _problem(self, state: State, case: ReducedCase) -> FaceProblem:
         whole, cone = self.reduced.Whole(case), state.cone
-        return self.law.Problem(self.reduced.Signs(cone)[1].matrix, self.reduced.RightSide(whole, cone), self.reduced.Faces(cone, state.history, whole))
+        return self.law.Problem(self.reduced.RightSide(whole, cone), self.reduced.Faces(cone, state.history, whole))

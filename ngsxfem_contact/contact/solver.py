@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 from ngsolve import GridFunction
+from pyngcore import SuspendTaskManager
 
 from ..algebra.balance import Balance
 from ..algebra.elimination import Elimination
+from ..algebra.matrices import added, congruent, product
 from ..errors import NotConverged
 from ..loads.load import LoadTerms
 from ..loads.reactions import SupportResidual
@@ -30,6 +32,7 @@ from .solution import ContactSolution
 from .stabilisation import local_moduli
 
 if TYPE_CHECKING:
+    from ..algebra.matrices import Matrix
     from .problem import ContactProblem
 
 TINY = np.finfo(float).tiny
@@ -42,7 +45,7 @@ class NodalSolution:
 
     case: ReducedCase
     faces: Faces
-    T: np.ndarray
+    T: "Matrix"
     p: np.ndarray
     G: np.ndarray
     alpha: np.ndarray
@@ -69,7 +72,7 @@ class ReducedProblem:
     def __init__(self, problem: "ContactProblem", inverse: str | None = None, check: bool = True) -> None:
         self.check = check
         self.timings: dict[str, float] = {}
-        self.transformed: dict[Cone, tuple[np.ndarray, Balance]] = {}
+        self.transformed: dict[Cone, tuple[Matrix, Balance]] = {}
         size = f"{problem.V.ndof} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             self.motions = PinnedMotions(problem)
@@ -89,7 +92,7 @@ class ReducedProblem:
             if check:
                 check_coercive(problem, self.elimination)
             m = system.E.shape[0]
-            self.S = self.elimination.S[:m] @ system.Distribute(np.eye(m)) + system.D.toarray()
+            self.S = added(product(self.elimination.S[:m], system.distribution), system.D)
         with stage(self.timings, "load", f"eliminating {size} from the load"):
             self.initial = self._initial_case()
             self.case = self.Reduce(LoadCase(problem))
@@ -116,7 +119,7 @@ class ReducedProblem:
     def Displacement(self, L: np.ndarray, case: ReducedCase | None = None, alpha: np.ndarray | None = None) -> np.ndarray:
         """U for a multiplier L and rigid motions: one back-substitution."""
         case = case or self.case
-        U = self.elimination.Recover(case.reduced, self.system.Distribute(L)) + case.given
+        U = self.elimination.Recover(case.reduced, self.system.distribution @ L) + case.given
         return U if alpha is None else U + self.motions.R @ alpha
 
     def Solve(self, options: StepOptions = StepOptions(), case: ReducedCase | None = None) -> ContactSolution:
@@ -145,7 +148,7 @@ class ReducedProblem:
             notes=[*problem.body.notes, *self.motions.notes],
             projection=problem.projection,
         )
-        with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"):
+        with stage(report.timings, "active set", f"contact on {len(self.system.nodes)} nodes of the crack"), SuspendTaskManager():
             found = self._nodal_solution(options, case, cone, report)
         recover, state = lambda: self._recover(found, report), self._state(found)
         report.work = state.work
@@ -154,7 +157,7 @@ class ReducedProblem:
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
         T, balance = self.Signs(cone)
         faces = self.Faces(cone, self._history(options.previous, cone), case)
-        found = self.problem.law.Solve(balance.matrix, self.RightSide(case, cone), faces, self._first_set(options), report, options.max_iterations)
+        found = self.problem.law.Solve(balance.compliance.matrix, self.RightSide(case, cone), faces, self._first_set(options), report, options.max_iterations)
         p, alpha = np.split(found, [len(balance.Q)])
         G = self._gaps(case)
         return NodalSolution(case, faces, T, p, G, balance.Motions(p, alpha, T.T @ (case.g - G), faces.pull))
@@ -162,7 +165,7 @@ class ReducedProblem:
     def Faces(self, cone: Cone, history: FaceHistory | None, case: ReducedCase) -> Faces:
         """What the law is asked about."""
         _, balance = self.Signs(cone)
-        return Faces(self.system.nodes, cone, np.diag(balance.Q), history, balance.B, self.motions.R.T @ case.forces)
+        return Faces(self.system.nodes, cone, balance.compliance, np.diag(balance.Q), history, balance.B, self.motions.R.T @ case.forces)
 
     def RightSide(self, case: ReducedCase, cone: Cone) -> np.ndarray:
         """q of w = Q p + q, see Balance."""
@@ -207,14 +210,14 @@ class ReducedProblem:
             return active_on(self.system.nodes, options.start)
         return options.start
 
-    def Signs(self, cone: Cone) -> tuple[np.ndarray, Balance]:
+    def Signs(self, cone: Cone) -> tuple["Matrix", Balance]:
         """T with L = T p, and the Balance of Tᵀ S T; checked once for each cone."""
         if cone not in self.transformed:
             T = transformation(self.problem.law, cone, self.system.nodes)
             weights = np.tile(self.system.nodes.weights, len(self.problem.law.components))
-            balance = Balance(T.T @ self.S @ T, T.T @ (self.system.E @ self.motions.R), weights)
+            balance = Balance(congruent(T, self.S), T.T @ (self.system.E @ self.motions.R), weights)
             if self.check:
-                check_multiplier(balance.matrix, weights, local_moduli(self.problem.V, self.problem.material).max(), self.system.gamma is not None)
+                check_multiplier(balance.compliance, weights, local_moduli(self.problem.V, self.problem.material).max(), self.system.gamma is not None)
             self.transformed[cone] = T, balance
         return self.transformed[cone]
 
@@ -272,7 +275,7 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     """
     T, p = found.T, found.p
     w = T.T @ (system.Moments(U, found.L) - found.G)
-    lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.law.components)), TINY)
+    lengths = np.maximum(abs(T.T) @ np.tile(system.nodes.weights, len(problem.law.components)), TINY)
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
     history = found.faces.history
     before = 0.0 if history is None else np.abs(history.jump).max()

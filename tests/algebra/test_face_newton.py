@@ -5,6 +5,7 @@ from dataclasses import fields, is_dataclass, replace
 import numpy as np
 import pytest
 
+from ngsxfem_contact.algebra.compliance import Compliance
 from ngsxfem_contact.algebra.face_newton import FaceProblem, Stuck, continued, newton, solve_faces
 from ngsxfem_contact.algebra.face_relations import (
     CohesiveRelation,
@@ -123,7 +124,20 @@ def random_problem(relation, seed, n=12):
     rng = np.random.default_rng(seed)
     A = rng.standard_normal((2 * n, 2 * n))
     Q, q, weights = A @ A.T / (2 * n) + 1e-2 * np.eye(2 * n), 2 * rng.standard_normal(2 * n), rng.uniform(0.5, 1.5, n)
-    return FaceProblem(Q, q, weights, relation, relation.Stiffness(weights / np.diag(Q).reshape(2, -1)))
+    return FaceProblem(Compliance(Q), q, weights, relation, relation.Stiffness(weights / np.diag(Q).reshape(2, -1)))
+
+
+@pytest.mark.parametrize("motions", [0, 2])
+@pytest.mark.parametrize("name", [name for name in RELATIONS if name != "divided"])
+def test_a_step_by_the_inverse_solves_newtons_equations(name, motions):
+    """Some nodes rigid, some sliding, some free; also where parts of the body are held by the faces alone."""
+    rng = np.random.default_rng(7)
+    problem = random_problem(first(RELATIONS[name], 12), 3)
+    problem = replace(problem, motions=rng.standard_normal((24, motions)), pull=rng.standard_normal(motions))
+    z = np.append(2 * rng.standard_normal(24), rng.standard_normal(motions))
+    residual = problem.Residual(z)
+    step = np.linalg.solve(problem.Matrix(z), -problem.units * residual)
+    assert problem.Step(z, residual) == pytest.approx(step, rel=1e-8, abs=1e-9 * np.abs(step).max())
 
 
 @pytest.mark.parametrize("name", ["joint", "linear", "exponential", "plastic", "Coulomb", "hyperbolic"])
@@ -140,7 +154,7 @@ def test_newton_agrees_with_the_states_of_coulomb():
         problem = random_problem(first(RELATIONS["Coulomb"], 12), seed)
         threshold = problem.relation.threshold
         start = first_states(problem.Q, problem.q, threshold, np.zeros(12, dtype=bool))
-        p = FullNewton().Solve(problem.Q, problem.q, threshold, 1 / np.diag(problem.Q), start, 100).p
+        p = FullNewton().Solve(problem.Q, problem.q, threshold, 1 / problem.Q.diagonal, start, 100).p
         assert np.abs(problem.Traction(solve_faces(problem, problem.Tied(), 60).z).ravel() - p).max() < 1e-10 * np.abs(p).max()
 
 

@@ -9,6 +9,7 @@ from ngsolve import CF, BilinearForm, Id, IfPos, InnerProduct, Integrate, Parame
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, Slip, Strain, TipEnrichment, TraceSpace
 from ngsxfem_contact.algebra import FixedPoint, FullNewton
+from ngsxfem_contact.algebra.compliance import Compliance
 from ngsxfem_contact.algebra.matrices import to_scipy
 from ngsxfem_contact.algebra.nodal_newton import (
     FREE,
@@ -17,6 +18,8 @@ from ngsxfem_contact.algebra.nodal_newton import (
     STICK,
     States,
     Threshold,
+    _by_block,
+    _by_inverse,
     first_states,
     safeguarded,
     solve_states,
@@ -55,10 +58,10 @@ def random_problem(rng, m, coupling=1.0):
 
 def enumerated(Q, q, threshold):
     """All solutions, by trying all states."""
-    m, found = len(q) // 2, []
+    m, found, compliance = len(q) // 2, [], Compliance(Q)
     for contact in product([False, True], repeat=m):
         for tangential in product([STICK, SLIP_PLUS, SLIP_MINUS], repeat=m):
-            p, w = solve_states(Q, q, threshold, States(np.array(contact), np.array(tangential)))
+            p, w = solve_states(compliance, q, threshold, States(np.array(contact), np.array(tangential)))
             scales = np.repeat([np.abs(p).max(), np.abs(w).max()], 1) + 1e-300
             if violation(p / scales[0], w / scales[1], threshold.Scaled(scales[0])) < 1e-10:
                 if not any(np.allclose(p, other, atol=1e-8 * scales[0]) for other in found):
@@ -77,7 +80,8 @@ def coulomb_law(rng, m, mu_f):
 def solved(method, Q, q, threshold, start=None):
     m = len(q) // 2
     contact = np.zeros(m, dtype=bool) if start is None else start
-    return method.Solve(Q, q, threshold, 1 / np.diag(Q), first_states(Q, q, threshold, contact), 100)
+    compliance = Compliance(Q)
+    return method.Solve(compliance, q, threshold, 1 / np.diag(Q), first_states(compliance, q, threshold, contact), 100)
 
 
 @pytest.mark.parametrize("m", [1, 2, 3])
@@ -91,6 +95,21 @@ def test_given_thresholds_have_one_solution_and_it_is_found(m):
             assert solved(FullNewton(), Q, q, law, start).p == pytest.approx(exact, rel=1e-7, abs=1e-9)
 
 
+def test_equations_by_block_and_by_inverse_are_the_same():
+    """Of the unknown tractions, or of the jumps elsewhere; some nodes slip as Coulomb's law says."""
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        Q, q = random_problem(rng, 10)
+        skew = rng.standard_normal((20, 20))
+        contact, slips = rng.random(10) < 0.6, rng.random(10) < 0.5
+        unknown = np.concatenate([contact, ~slips])
+        base, follows = np.concatenate([np.zeros(10), slips * rng.standard_normal(10)]), slips * contact * rng.uniform(-0.5, 0.5, 10)
+        arguments = Compliance(Q + skew - skew.T), q, base, follows, unknown
+        expected = _by_block(*arguments)
+        expected[10:] += follows * expected[:10]
+        assert _by_inverse(*arguments) == pytest.approx(expected, rel=1e-7, abs=1e-8 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("m", [1, 2, 3])
 def test_the_path_finds_what_enumeration_finds(m):
     """The safeguard alone, for symmetric matrices and for others that are positive definite; some thresholds are zero."""
@@ -101,7 +120,7 @@ def test_the_path_finds_what_enumeration_finds(m):
         law = Threshold(rng.uniform(0, 1, m) * (rng.random(m) < 0.8), np.zeros(m))
         (exact,) = enumerated(Q + skew - skew.T, q, law)
         start = States(rng.random(m) < 0.5, np.where(law.base > 0, STICK, FREE))
-        result = safeguarded(Q + skew - skew.T, q, law.base, start)
+        result = safeguarded(Compliance(Q + skew - skew.T), q, law.base, start)
         assert result.p == pytest.approx(exact, rel=1e-7, abs=1e-9)
 
 
@@ -389,10 +408,10 @@ def test_answer_of_newton_does_not_depend_on_r(factor):
     """The parameter of the projection (39), which the nodal methods take."""
     reduced = ReducedProblem(problem := coarse(law=Coulomb(0.3)))
     T, balance = reduced.Signs(problem.cone)
-    Q = balance.Q
+    Q = balance.compliance
     q, threshold = T.T @ (reduced.case.g - reduced.system.G), problem.law.Threshold(problem.W.nodes, problem.cone)
     start = first_states(Q, q, threshold, np.zeros(problem.W.ndof, dtype=bool))
-    usual, other = (FullNewton().Solve(Q, q, threshold, r / np.diag(Q), start, 100).p for r in (1, factor))
+    usual, other = (FullNewton().Solve(Q, q, threshold, r / Q.diagonal, start, 100).p for r in (1, factor))
     assert np.abs(other - usual).max() < 1e-9 * np.abs(usual).max()
 
 
