@@ -321,6 +321,12 @@ class SlidingRelation(Relation):
         return np.where(closed, np.where(self._slide(y_n, y_t, closed, c)[0] > 0, 2, 1), 0)
 
 
+def rigid(threshold: Threshold) -> SlidingRelation:
+    """Faces that touch without giving way, and slide at a threshold."""
+    n = len(threshold.base)
+    return SlidingRelation(LinearClosure(np.full(n, np.inf)), threshold, np.full(n, np.inf), np.zeros(n))
+
+
 @dataclass(frozen=True)
 class DividedRelation(Relation):
     """Each node has the relation of its part: parts are arrays of node numbers, together all nodes, with their relations."""

@@ -16,8 +16,9 @@ from ngsolve import CoefficientFunction
 
 from ..algebra import nodal_newton
 from ..algebra.active_set import coarse_start, solve_active_set, solve_balanced
-from ..algebra.face_relations import LinearClosure, SlidingRelation
-from ..algebra.nodal_newton import FullNewton, NodalMethod, Threshold, first_states, uniqueness_number, violation
+from ..algebra.face_relations import SlidingRelation, rigid
+from ..algebra.nodal_methods import FullNewton, NodalMethod
+from ..algebra.nodal_newton import Threshold, first_states, uniqueness_number, violation
 from ..arguments import INFINITY, check_function, check_number
 from ..operators import NORMAL, TANGENTIAL
 from .faces import FaceWork
@@ -64,12 +65,6 @@ class Frictionless:
     def At(self, nodes: Points) -> SlidingRelation:
         """Beside other laws: nothing resists slip."""
         return rigid(Threshold(np.zeros(len(nodes)), np.zeros(len(nodes))))
-
-
-def rigid(threshold: nodal_newton.Threshold) -> SlidingRelation:
-    """Faces that touch without giving way, and slide at a threshold."""
-    n = len(threshold.base)
-    return SlidingRelation(LinearClosure(np.full(n, INFINITY)), threshold, np.full(n, INFINITY), np.zeros(n))
 
 
 def first_contact(Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report) -> np.ndarray:

@@ -319,7 +319,8 @@ def before_tip(solution: ContactSolution, frame: TipFrame, function: Coefficient
 
 def is_closed(solution: ContactSolution, tip: int) -> bool:
     """Whether the faces press on each other over most of the last element before a tip."""
-    return bool(np.median(before_tip(solution, TipFrame(solution.body, tip), solution.multiplier)) < 0)
+    pressure = before_tip(solution, TipFrame(solution.body, tip), solution.multiplier)
+    return bool(np.median(pressure) < -1e-10 * np.abs(solution.multiplier.vec.FV().NumPy()).max())
 
 
 def constant_at_tip(solution: ContactSolution, frame: TipFrame, material: Isotropic) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from ngsolve import CF, CoefficientFunction, specialcf
 
-from ..algebra.nodal_newton import FixedPoint, FullNewton
+from ..algebra import FixedPoint, FullNewton
 from ..arguments import INFINITY, check_item
 from ..contact.cones import CONES
 from ..contact.friction import Coulomb, Tresca

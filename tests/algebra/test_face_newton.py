@@ -15,7 +15,8 @@ from ngsxfem_contact.algebra.face_relations import (
     LinearClosure,
     SlidingRelation,
 )  # fmt: skip
-from ngsxfem_contact.algebra.nodal_newton import FullNewton, Threshold, first_states
+from ngsxfem_contact.algebra.nodal_methods import FullNewton
+from ngsxfem_contact.algebra.nodal_newton import Threshold, first_states
 from ngsxfem_contact.algebra.softening import ExponentialSoftening, LinearSoftening
 from ngsxfem_contact.errors import NotConverged
 

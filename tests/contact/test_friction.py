@@ -11,6 +11,7 @@ from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, 
 from ngsxfem_contact.algebra import FixedPoint, FullNewton
 from ngsxfem_contact.algebra.compliance import Compliance
 from ngsxfem_contact.algebra.matrices import to_scipy
+from ngsxfem_contact.algebra.nodal_methods import safeguarded
 from ngsxfem_contact.algebra.nodal_newton import (
     FREE,
     SLIP_MINUS,
@@ -21,7 +22,6 @@ from ngsxfem_contact.algebra.nodal_newton import (
     _by_block,
     _by_inverse,
     first_states,
-    safeguarded,
     solve_states,
     uniqueness_number,
     violation,

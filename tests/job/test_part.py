@@ -10,7 +10,7 @@ from netgen.occ import OCCGeometry, WorkPlane
 from ngsolve import CF, Integrate, Mesh, dx, specialcf, x, y
 
 from ngsxfem_contact._ngsxfem_contact import Crack, CrackedMesh
-from ngsxfem_contact.algebra.nodal_newton import FixedPoint, FullNewton
+from ngsxfem_contact.algebra import FixedPoint, FullNewton
 from ngsxfem_contact.contact import BartonBandis, Coulomb, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb, Tresca
 from ngsxfem_contact.contact.load_steps import LoadSteps
 from ngsxfem_contact.contact.nitsche import Nitsche
