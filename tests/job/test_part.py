@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import rectangle
 from netgen.geom2d import SplineGeometry
 from netgen.occ import OCCGeometry, WorkPlane
 from ngsolve import CF, Integrate, Mesh, dx, specialcf, x, y
@@ -277,11 +278,12 @@ def test_laws_of_the_faces():
 def test_laws_by_crack():
     """One for all, one for some, and what is left."""
     joint, rough = {"name": "Joint", "k_n": 3, "k_t": 2}, {"name": "Coulomb", "mu_f": 0.3}
-    made = lambda *tables: laws_of([table(values) for values in tables], 3)
+    body = CrackedMesh(rectangle(0.5), *(Crack([(0, y), (1, y)], name) for y, name in ((0.3, ""), (0.5, "fault"), (0.8, ""))))
+    made = lambda *tables: laws_of([table(values) for values in tables], body)
     assert made() is None and made(rough) == Coulomb(0.3)
-    assert made(rough | {"crack": 1}) == {1: Coulomb(0.3)}
+    assert made(rough | {"crack": 1}) == {1: Coulomb(0.3)} == made(rough | {"crack": "fault"})
     assert made(joint, rough | {"crack": 1}) == {0: Joint(3, 2), 1: Coulomb(0.3), 2: Joint(3, 2)}
-    for twice in ((joint, rough), (joint | {"crack": 1}, rough | {"crack": 1})):
+    for twice in ((joint, rough), (joint | {"crack": 1}, rough | {"crack": 1}), (joint | {"crack": 1}, rough | {"crack": "fault"})):
         with pytest.raises(RefusedPart, match="crack: another table gives the law of"):
             made(*twice)
 
