@@ -31,7 +31,7 @@ class FaceHistory:
     variables: dict[str, np.ndarray] = field(default_factory=dict)
 
     def Carried(self, old: Nodes, new: Nodes) -> FaceHistory:
-        """The same on other nodes, those of another mesh or of longer cracks: interpolated along each crack, zero on parts that are new.
+        """The same on other nodes, those of another mesh or of longer cracks: interpolated along each arm of a crack, zero on parts that are new.
 
         Parameters
         ----------
@@ -39,28 +39,74 @@ class FaceHistory:
             The nodes of this history.
         new
             Those of cracks with the same numbers.
+
+        Raises
+        ------
+        ValueError
+            If a crack of the old nodes is not part of the one with its number.
         """
+        check_continued(old, new)
         P = between_nodes(old, new).T
         return FaceHistory(self.traction @ P, self.jump @ P, {name: values @ P for name, values in self.variables.items()})
 
 
+def check_continued(old: Nodes, new: Nodes) -> None:
+    """Raises ValueError unless each old node lies on the crack of its number, to an interval between nodes."""
+    for crack in np.unique(old.cracks):
+        there, (a, b) = old.positions[old.cracks == crack], intervals(new, crack)
+        if not (new.cracks == crack).any():
+            raise ValueError(f"the history of crack {crack} has no place: there is none of that number now; give all cracks in the order in which they were")
+        if not len(a) or not len(intervals(old, crack)[0]):
+            continue  # one node says nothing of where the crack goes
+        feet, part = nearest_on(there, a, b)
+        off = np.linalg.norm(a[feet] + part[:, None] * (b - a)[feet] - there, axis=1)
+        if off.max() > max(np.linalg.norm(end - start, axis=1).max() for start, end in ((a, b), intervals(old, crack))):
+            place = ", ".join(f"{value:.6g}" for value in there[int(np.argmax(off))])
+            raise ValueError(f"the history of crack {crack} at ({place}) is not on that crack now; each may be longer than it was, but not another one")
+
+
 def between_nodes(old: Nodes, new: Nodes) -> np.ndarray:
-    """(len(new), len(old)): linear interpolation between neighbours on the same crack; rows of zeros beyond half an interval after the last node."""
-    P = np.zeros((len(new), len(old)))
-    a, b = old.neighbours.T
-    edges = old.positions[b] - old.positions[a]
-    for i, (crack, point) in enumerate(zip(new.cracks, new.positions)):
-        here = np.flatnonzero(old.cracks[a] == crack)
-        if not len(here):
-            P[i, np.flatnonzero(old.cracks == crack)] = 1  # a crack with one node
+    """(len(new), len(old)): linear interpolation between neighbours on the same arm of a crack; rows of zeros beyond the last node by more than half an interval, and than its weight.
+
+    Where arms meet each has a node at the same place: a new one belongs to the arm on which its neighbours are.
+    """
+    P, inward = np.zeros((len(new), len(old))), directions_inward(new)
+    for crack in np.unique(new.cracks):
+        pairs, here = old.neighbours[old.cracks[old.neighbours[:, 0]] == crack], np.flatnonzero(new.cracks == crack)
+        if not len(pairs):
+            P[np.ix_(here, np.flatnonzero(old.cracks == crack))] = 1  # a crack with one node, or a new one
             continue
-        lengths = (edges[here] ** 2).sum(axis=1)
-        part = np.clip(((point - old.positions[a[here]]) * edges[here]).sum(axis=1) / lengths, 0, 1)
-        distances = ((old.positions[a[here]] + part[:, None] * edges[here] - point) ** 2).sum(axis=1)
-        nearest = int(np.argmin(distances))
-        if distances[nearest] <= 0.2501 * lengths[nearest]:
-            P[i, a[here[nearest]]], P[i, b[here[nearest]]] = 1 - part[nearest], part[nearest]
+        a, b = old.positions[pairs.T]
+        feet, _ = nearest_on(new.positions[here] + 1e-3 * inward[here], a, b)
+        edges, off = (b - a)[feet], new.positions[here] - a[feet]
+        part = np.clip((off * edges).sum(axis=1) / (edges**2).sum(axis=1), 0, 1)
+        reach = np.maximum(0.5 * np.linalg.norm(edges, axis=1), old.weights[pairs[feet, (part > 0.5).astype(int)]])
+        near = np.linalg.norm(part[:, None] * edges - off, axis=1) <= 1.0001 * reach
+        for end, share in ((0, 1 - part), (1, part)):
+            P[here[near], pairs[feet[near], end]] = share[near]
     return P
+
+
+def intervals(nodes: Nodes, crack: int) -> tuple[np.ndarray, np.ndarray]:
+    """The two ends, (k, 2) each, of those between neighbours on a crack."""
+    pairs = nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack]
+    return nodes.positions[pairs[:, 0]], nodes.positions[pairs[:, 1]]
+
+
+def nearest_on(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) each: which of the intervals from a to b, (k, 2) each, is the nearest to each of the points, and which part of it is before its foot."""
+    edges = b - a
+    parts = np.clip(((points[:, None] - a) * edges).sum(axis=2) / (edges**2).sum(axis=1), 0, 1)
+    feet = np.argmin(((a + parts[:, :, None] * edges - points[:, None]) ** 2).sum(axis=2), axis=1)
+    return feet, parts[np.arange(len(points)), feet]
+
+
+def directions_inward(nodes: Nodes) -> np.ndarray:
+    """(n, dimension): of each node the sum of the ways to its neighbours; at the end of an arm it points into the arm."""
+    ways, (a, b) = np.zeros_like(nodes.positions), nodes.neighbours.T
+    np.add.at(ways, a, nodes.positions[b] - nodes.positions[a])
+    np.add.at(ways, b, nodes.positions[a] - nodes.positions[b])
+    return ways
 
 
 @dataclass(frozen=True)

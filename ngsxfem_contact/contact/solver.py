@@ -192,16 +192,15 @@ class ReducedProblem:
             if previous.jump.shape != size:
                 raise ValueError(f"previous is a history of {previous.jump.shape} components and nodes, the problem has {size}; see FaceHistory.Carried")
             return previous
-        if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
-            raise ValueError("previous is a solution on other spaces; load steps need one on the V and W of the problem")
         if problem.law.depends_on_path and previous.state.cone != cone:
             raise ValueError(f"previous is a solution with the cone {previous.state.cone}, this one has {cone}; all load steps need the same")
         if len(previous.problem.law.components) != len(problem.law.components):
             raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")
-        return previous.state.history
+        history = previous.state.history
+        return history if history is None or is_on(problem, previous) else history.Carried(previous.state.nodes, self.system.nodes)
 
     def _first_set(self, options: StepOptions) -> Any:
-        if options.start is None and isinstance(options.previous, ContactSolution):
+        if options.start is None and isinstance(options.previous, ContactSolution) and is_on(self.problem, options.previous):
             return options.previous.report.active[-1]
         if isinstance(options.start, ContactSolution):
             return active_on(self.system.nodes, options.start)
@@ -241,6 +240,11 @@ class ReducedProblem:
             return 0.0
         size = np.abs(R).T @ sum(np.abs(force) for force in forces)
         return float(np.abs(R.T @ sum(forces)).max() / max(size.max(), TINY))
+
+
+def is_on(problem: "ContactProblem", solution: ContactSolution) -> bool:
+    """Whether a solution has the spaces of a problem, so that its nodes are those of the problem."""
+    return solution.problem.V is problem.V and solution.problem.W is problem.W
 
 
 def check_converged(report: Report) -> None:
