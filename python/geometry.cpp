@@ -170,7 +170,7 @@ static void ExportCrackedMesh (py::module & m)
       "\nParameters\n----------\nmesh\n"
       "    Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the\n"
       "    body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n*cracks\n"
-      "    The Cracks, one by one. An argument that asks for one of them takes its number, from 0, or its name.\n\nRaises\n------\nException\n"
+      "    The Cracks, one by one; without any it is the body as it was. An argument that asks for one of them takes its number, from 0, or its name.\n\nRaises\n------\nException\n"
       "    For two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch or touch without\n"
       "    crossing.\n\nNotes\n-----\n"
       "An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:\n"

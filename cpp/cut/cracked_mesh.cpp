@@ -13,7 +13,6 @@ namespace ngsxfem_contact
   {
     if (located_in.deformed)
       throw Exception("CrackedMesh: the mesh is moved by SetDeformation, which cracks and rules know nothing of; build a mesh of the moved body");
-    if (cracks.empty()) throw Exception("CrackedMesh: give at least one crack");
     CheckNames();
     CheckTriangles(*mesh);
     BodyBoundary boundary(*mesh);

@@ -176,15 +176,19 @@ class Faces:
     @cached_property
     def stiffness(self) -> np.ndarray:
         """(k, n), stress / length: what the body opposes to a jump at one node alone."""
-        return self.jump_weights / (self.compliance.reshape(-1, len(self.nodes)) * self.traction_weights)
+        return self.jump_weights / (self._by_component(self.compliance) * self.traction_weights)
 
     def Tractions(self, p: np.ndarray) -> np.ndarray:
         """(k, n) stresses."""
-        return p.reshape(-1, len(self.nodes)) / self.traction_weights
+        return self._by_component(p) / self.traction_weights
 
     def Jumps(self, w: np.ndarray) -> np.ndarray:
         """(k, n) lengths: means of opening and slip."""
-        return -w.reshape(-1, len(self.nodes)) / self.jump_weights
+        return -self._by_component(w) / self.jump_weights
+
+    def _by_component(self, values: np.ndarray) -> np.ndarray:
+        """(k, n)."""
+        return values.reshape(len(values) // max(len(self.nodes), 1), len(self.nodes))
 
     def After(self, p: np.ndarray, w: np.ndarray, variables: dict[str, np.ndarray]) -> FaceHistory:
         """The FaceHistory that ends with p and w."""

@@ -180,11 +180,11 @@ class ContactProblem:
         check_modes(V, material)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
-        self.stabilisation: Stabilisation = stabilisation if stabilisation is not None else Unstabilised()
+        self.stabilisation: Stabilisation = stabilisation if stabilisation is not None and V.body.cracks else Unstabilised()
         self.cone = CONES[cone]
         if law is not None and friction is not None:
             raise TypeError("ContactProblem: friction= and law= both give the law of the faces; keep one of them")
-        self.law = law_of(friction if law is None else law, V.body)
+        self.law = law_of(friction if law is None else law, V.body) if V.body.cracks else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)

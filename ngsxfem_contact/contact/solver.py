@@ -186,7 +186,7 @@ class ReducedProblem:
     def _history(self, previous: ContactSolution | FaceHistory | None, cone: Cone) -> FaceHistory | None:
         """What the faces have gone through; slip with its stabilising part, so that it is zero exactly where a node sticks and the load is unchanged."""
         problem, size = self.problem, (len(self.problem.law.components), len(self.system.nodes))
-        if previous is None:
+        if previous is None or (isinstance(previous, ContactSolution) and not previous.body.cracks):
             return None
         if isinstance(previous, FaceHistory):
             if previous.jump.shape != size:
@@ -213,7 +213,7 @@ class ReducedProblem:
             weights = np.tile(self.system.nodes.weights, len(self.problem.law.components))
             balance = Balance(T.T @ self.S @ T, T.T @ (self.system.E @ self.motions.R), weights)
             if self.check:
-                check_multiplier(balance.matrix, weights, local_moduli(self.problem.V, self.problem.material).max(), self.system.gamma is not None)
+                check_multiplier(balance.matrix, weights, local_moduli(self.problem.V, self.problem.material).max(initial=0), self.system.gamma is not None)
             self.transformed[cone] = T, balance
         return self.transformed[cone]
 
@@ -259,7 +259,7 @@ def check_converged(report: Report) -> None:
 def active_on(nodes: Nodes, solution: ContactSolution) -> np.ndarray:
     """The active set of a solution at nodes: that of the nearest of its own nodes on the same crack."""
     theirs, active = solution.state.nodes, np.empty(len(nodes), dtype=bool)
-    number, ours = (int(of.cracks.max()) + 1 for of in (theirs, nodes))
+    number, ours = (len(np.unique(of.cracks)) for of in (theirs, nodes))
     if number != ours:
         raise ValueError(f"start is a solution with {number} cracks for a problem with {ours}; both need the same cracks")
     for crack in range(ours):
@@ -279,9 +279,9 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     lengths = np.maximum(np.abs(T.T) @ np.tile(system.nodes.weights, len(problem.law.components)), TINY)
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
     history = found.faces.history
-    before = 0.0 if history is None else np.abs(history.jump).max()
-    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max(), before)
-    scale = max(np.abs(p).max(), TINY)
+    before = 0.0 if history is None else np.abs(history.jump).max(initial=0)
+    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max(initial=0), before)
+    scale = max(np.abs(p).max(initial=0), TINY)
     return problem.law.Violation(p, w, found.faces, Scales(scale, np.maximum(lengths * displacement, TINY)))
 
 

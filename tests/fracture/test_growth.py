@@ -13,7 +13,7 @@ from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Cr
 from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, Paris, WingCracks
-from ngsxfem_contact.fracture.growth import extended
+from ngsxfem_contact.fracture.extension import extended
 from ngsxfem_contact.fracture.stress_intensity import is_closed
 from ngsxfem_contact.geometry import EndKind
 from study.paper import MATERIAL
