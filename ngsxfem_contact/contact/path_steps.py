@@ -25,7 +25,7 @@ class PathSteps:
     Parameters
     ----------
     problem : ContactProblem
-        Whose law holds node by node: cohesive laws, joints, MohrCoulomb, BartonBandis, or laws by crack. What it holds now is F_1, given displacements included.
+        Whose law holds node by node, or at the points of Nitsche's method: all but contact without friction. What it holds now is F_1, given displacements included.
     fixed
         A LoadCase of the problem, F_0; default nothing.
     inverse
@@ -39,7 +39,7 @@ class PathSteps:
     Raises
     ------
     TypeError
-        For a problem with another law.
+        For contact without friction, and for a law without At(nodes).
 
     Notes
     -----
@@ -56,8 +56,11 @@ class PathSteps:
     """
 
     def __init__(self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None) -> None:
+        problem = problem.AtNodes()
         if not isinstance(problem.law, NodalLaw):
-            raise TypeError(f"PathSteps: the law {problem.law!r} does not hold node by node; take MohrCoulomb, Joint, or another NodalLaw")
+            raise TypeError(
+                f"PathSteps: faces that only touch, {problem.law!r}, hold nothing that could give way; take friction, MohrCoulomb, Joint, or another NodalLaw"
+            )
         check_type(fixed, LoadCase | None, "PathSteps: fixed", "a LoadCase(problem)")
         self.law, self.reduced = problem.law, ReducedProblem(problem, inverse)
         self.case = self.reduced.case

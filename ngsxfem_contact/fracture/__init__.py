@@ -2,7 +2,8 @@
 
 from .growth import CrackGrowth
 from .growth_laws import GivenIncrement, MaximumHoopStress, Paris, WingCracks
-from .initiation import JunctionInitiation, NewCrack, StressInitiation
+from .initiation import NewCrack, StressInitiation
+from .junction_initiation import JunctionInitiation
 from .stress_intensity import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 
 __all__ = [

@@ -1,10 +1,10 @@
-"""Where cracks start: where a stress reaches the strength, in the body, on ∂Ω, or around a junction. docs/method.md, section 9."""
+"""Where cracks start: what starts, and where a mean stress reaches the strength in the body or on ∂Ω. docs/method.md, section 9."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, degrees, pi
+from math import atan2, degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,25 +12,21 @@ import scipy
 from ngsolve import BND
 
 from .._ngsxfem_contact import Crack
-from ..arguments import check_positive, check_type, crack_title
+from ..arguments import check_positive, check_type
 from ..errors import warn
 from ..points import mesh_arrays, mesh_points, place
 from ..spaces.resolution import element_sizes
-from .tip_fields import boundary_segments, distance_along
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from ngsolve import Mesh
 
     from .._ngsxfem_contact import CrackedMesh
     from ..contact.solution import ContactSolution
 
-DISK, AROUND = 1, 2  # elements in the radius of a disk, and up to a hoop stress
-STEEPEST = 0.5  # |cos| between a crack that starts on ∂Ω and ∂Ω
-BESIDE_ARM = 20  # degrees from a crack: nothing starts there
-DIRECTIONS = 720  # around a junction
-PATCH = (0.8, 1.0, 1.2), 5  # radii, relative, and degrees to both sides over which a hoop stress is the mean
+DISK = 1  # elements in its radius
+ACROSS = 0.5  # the least cosine between a crack that starts on ∂Ω and the normal
 
 
 @dataclass(frozen=True)
@@ -88,9 +84,6 @@ def warn_of_small_radius(who: str, radius: float, point: tuple[float, float], si
         )
 
 
-# In the body and on its boundary
-
-
 class StressSamples:
     """σ of a solution at the points of a rule with their weights, in some regions; means over disks."""
 
@@ -109,12 +102,10 @@ class StressSamples:
         """(n,): the principal stress at each of the points."""
         return principal(self.stresses)[0]
 
-    def Near(self, points: np.ndarray, radius: float, strength: float) -> np.ndarray:
-        """Of points (n, 2) those whose mean over a disk may reach the strength: where a principal stress does so in the disk."""
+    def Reach(self, points: np.ndarray, radius: float, strength: float) -> np.ndarray:
+        """(n,) boolean: at which of points (n, 2) the mean over a disk may have a principal stress of the strength, since a point of the disk has."""
         high = self.positions[self.largest >= strength]
-        if not len(high) or not len(points):
-            return points[:0]
-        return points[scipy.spatial.cKDTree(high).query(points)[0] <= radius]
+        return scipy.spatial.cKDTree(high).query(points)[0] <= radius if len(high) else np.zeros(len(points), dtype=bool)
 
     def Means(self, points: np.ndarray, radius: float) -> np.ndarray:
         """(n, 3): the mean of σ over the part of each disk that is in the body; 0 where there is none."""
@@ -156,8 +147,12 @@ class StressInitiation:
 
     Notes
     -----
-    Nothing starts nearer to a crack than `length`: tips have their toughness, junctions JunctionInitiation. Nor in the body nearer to ∂Ω, where it starts on ∂Ω, across it to
-    within 30°. Where supports or loads make σ singular, leave their boundaries out.
+    Nothing starts nearer to a crack than `length`: tips have their toughness, junctions JunctionInitiation. Nor in the body nearer to ∂Ω, where it starts on ∂Ω, at 30° to it or
+    more. Where supports or loads make σ singular, leave their boundaries out.
+
+    References
+    ----------
+    Taylor, The Theory of Critical Distances (2007): means over areas.
     """
 
     strength: float
@@ -192,21 +187,25 @@ class StressInitiation:
         if self.boundary is None:
             return None
         points, inward, names = boundary_points(body.mesh, self.boundary, 0.25 * self.radius)
+        reach = samples.Reach(points, self.radius, self.strength)
+        points, inward, names = points[reach], inward[reach], names[reach]
         stresses, directions = principal(samples.Means(points, self.radius))
         across = np.column_stack([-directions[:, 1], directions[:, 0]])
         slope = (across * inward).sum(axis=1)
-        fits = (stresses >= self.strength) & (np.abs(slope) >= STEEPEST)
+        fits = (stresses >= self.strength) & (np.abs(slope) >= ACROSS)
         fits[fits] = self._clear(body, points[fits])
         if not fits.any():
             return None
         i = int(np.argmax(np.where(fits, stresses, -np.inf)))
         crack = segment(points[i], points[i] + self.length * np.sign(slope[i]) * across[i])
-        return self._new(body, crack, 0.0, float(stresses[i]), names[i], f"on the boundary {names[i]!r}")
+        name = str(names[i])
+        return self._new(body, crack, 0.0, float(stresses[i]), name, f"on the boundary {name!r}")
 
     def _inside(self, body: CrackedMesh, samples: StressSamples) -> NewCrack | None:
         if self.region is None:
             return None
-        points = samples.Near(mesh_arrays(body.mesh)[0], self.radius, self.strength)
+        points = mesh_arrays(body.mesh)[0]
+        points = points[samples.Reach(points, self.radius, self.strength)]
         points = points[self._clear(body, points) & self._inland(body, points)]
         if not len(points):
             return None
@@ -227,7 +226,7 @@ class StressInitiation:
         return scipy.spatial.cKDTree(outer).query(points)[0] > self.length if len(points) else np.zeros(0, dtype=bool)
 
 
-def boundary_points(mesh: Mesh, pattern: str, spacing: float) -> tuple[np.ndarray, np.ndarray, list[str]]:
+def boundary_points(mesh: Mesh, pattern: str, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points along the straight sides of ∂Ω on some boundaries, not farther apart than a spacing: (n, 2), the unit normals into the body, the names of the boundaries."""
     mask, names = list(mesh.Boundaries(pattern).Mask()), mesh.GetBoundaries()
     points, inward, found = [], [], []
@@ -244,140 +243,4 @@ def boundary_points(mesh: Mesh, pattern: str, spacing: float) -> tuple[np.ndarra
         found += n * [names[element.index]]
     if not points:
         raise ValueError(f"StressInitiation: boundary={pattern!r} matches no boundary; the mesh has {sorted(set(names))}")
-    return np.concatenate(points), np.array(inward), found
-
-
-# Around junctions
-
-
-@dataclass(frozen=True)
-class JunctionInitiation:
-    """A crack starts from a junction, a crossing or a kink where the largest hoop stress at a distance around it reaches the strength: in the direction of that.
-
-    Parameters
-    ----------
-    strength
-        A stress > 0.
-    length
-        Of the crack, a length > 0: some elements, so that its tip has room.
-    radius
-        The distance, a length > 0: two elements there or more.
-    toughness
-        K_c > 0, stress × √length, in place of radius = (K_c / strength)² / 2π, where the stress ahead of a tip with K_I = K_c is the strength.
-    points
-        Where, a list of points (x, y) on cracks; default wherever cracks meet or bend by a kink.
-
-    Raises
-    ------
-    ValueError
-        For numbers that make no sense, for both a radius and a toughness, and for points on no crack.
-
-    Notes
-    -----
-    The hoop stress is a mean over ±20 % of the distance and ±5°. Directions within 20° of a crack, and those in which something else is nearer than the distance, are left out.
-
-    References
-    ----------
-    Erdogan and Sih (1963): the direction; Williams, Onset of fracture at a blunt corner (1957) and Ritchie, Knott, Rice (1973): a stress at a distance.
-    """
-
-    strength: float
-    length: float
-    radius: float | None = None
-    toughness: float | None = None
-    points: Sequence[tuple[float, float]] | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("strength", "length"):
-            check_positive(getattr(self, name), f"JunctionInitiation: {name}")
-        if (self.radius is None) == (self.toughness is None):
-            raise ValueError("JunctionInitiation: give either radius= or toughness=, from which radius = (toughness / strength)² / 2π follows")
-        name = "toughness" if self.radius is None else "radius"
-        check_positive(getattr(self, name), f"JunctionInitiation: {name}")
-
-    @property
-    def distance(self) -> float:
-        """At which the stress is taken."""
-        return self.radius if self.toughness is None else (self.toughness / self.strength) ** 2 / (2 * pi)  # type: ignore[return-value]
-
-    def Starts(self, solution: ContactSolution) -> list[NewCrack]:
-        """One at each point where the strength is reached."""
-        body = solution.body
-        points = meeting_points(body) if self.points is None else [on_crack(body, point) for point in self.points]
-        return [new for number, point in points if (new := self._at(solution, number, point)) is not None]
-
-    def _at(self, solution: ContactSolution, number: int, point: np.ndarray) -> NewCrack | None:
-        body, angles = solution.body, 2 * pi / DIRECTIONS * np.arange(DIRECTIONS)
-        hoop = self.HoopStress(solution, point, angles)
-        if np.isnan(hoop).all():
-            return None
-        i = int(np.nanargmax(hoop))
-        if hoop[i] < self.strength:
-            return None
-        (x, y), direction = point.tolist(), np.array([np.cos(angles[i]), np.sin(angles[i])])
-        warn_of_small_radius("JunctionInitiation", self.distance, (x, y), size_at(body, point + 1e-3 * self.distance * direction), AROUND)
-        reason = f"the hoop stress {hoop[i]:.4g} at {self.distance:.3g} has reached {self.strength:.4g} on {crack_title(body.cracks, number)}"
-        origin = body.cracks[number].name or f"crack {number}"
-        return NewCrack(segment(point, point + self.length * direction), (x, y), float(hoop[i]), origin, reason)
-
-    def HoopStress(self, solution: ContactSolution, point: np.ndarray, angles: np.ndarray) -> np.ndarray:
-        """(n,): the mean of σ_θθ at the distance from a point in directions, in radians from that of x and equally spaced around it; nan where it does not count."""
-        ways = np.column_stack([np.cos(angles), np.sin(angles)])
-        free, around = free_ways(solution.body, point, ways, self.distance), np.column_stack([-ways[:, 1], ways[:, 0]])
-        radii, half = PATCH
-        hoop = np.zeros(len(angles))
-        for radius in radii:
-            points = (point + radius * self.distance * ways)[free]
-            xx, yy, xy = stress_at(solution, solution.body.mesh(*points.T)).T
-            a, b = around[free].T
-            hoop[free] += (a * a * xx + b * b * yy + 2 * a * b * xy) / len(radii)
-        width = int(half * len(angles) / 360)
-        shifts = range(-width, width + 1)
-        share = sum(np.roll(free, k).astype(float) for k in shifts)
-        total = sum(np.roll(np.where(free, hoop, 0.0), k) for k in shifts)
-        return np.where(free & ~beside_arms(solution.body, point, ways), np.divide(total, share, out=np.zeros_like(total), where=share > 0), np.nan)
-
-
-def free_ways(body: CrackedMesh, point: np.ndarray, ways: np.ndarray, distance: float) -> np.ndarray:
-    """(n,) boolean: the directions in which nothing is for a quarter more than the distance."""
-    outlines = [np.array(crack.Outline(0.01)) for crack in body.cracks]
-    a, b = (np.concatenate([part, *lines]) for part, lines in zip(boundary_segments(body.mesh), ([o[:-1] for o in outlines], [o[1:] for o in outlines])))
-    start = 1e-3 * distance  # a curve that meets others there passes the point itself
-    return np.array([distance_along(a, b, point + start * way, way) > 1.25 * distance for way in ways])
-
-
-def beside_arms(body: CrackedMesh, point: np.ndarray, ways: np.ndarray) -> np.ndarray:
-    """(n,) boolean: the directions within BESIDE_ARM degrees of a crack that leaves the point."""
-    return np.array([ways @ arm > np.cos(np.radians(BESIDE_ARM)) for arm in arms(body, point)]).any(axis=0)
-
-
-def arms(body: CrackedMesh, point: np.ndarray) -> Iterator[np.ndarray]:
-    """The unit directions in which cracks leave a point."""
-    for crack in body.cracks:
-        tolerance = 1e-6 * crack.length
-        if crack.Distance(tuple(point)) > tolerance:
-            continue
-        s = crack.ArcLength(tuple(point))
-        if s > tolerance or crack.closed:
-            yield -np.array(crack.TangentAt(s - tolerance if s > tolerance else crack.length - tolerance))
-        if s < crack.length - tolerance or crack.closed:
-            yield np.array(crack.TangentAt(s + tolerance if s < crack.length - tolerance else tolerance))
-
-
-def meeting_points(body: CrackedMesh) -> list[tuple[int, np.ndarray]]:
-    """(number of a crack, point) wherever cracks meet, or bend by a kink; each point once."""
-    found: list[tuple[int, np.ndarray]] = []
-    for number, crack in enumerate(body.cracks):
-        for s in sorted([*body.Meetings(number), *crack.kinks]):
-            point = np.array(crack.PointAt(s))
-            if not any(np.linalg.norm(point - other) <= 1e-6 * crack.length for _, other in found):
-                found.append((number, point))
-    return found
-
-
-def on_crack(body: CrackedMesh, point: tuple[float, float]) -> tuple[int, np.ndarray]:
-    """(number of the crack, the point itself). Raises ValueError unless one passes through it."""
-    distance, number = min((crack.Distance(point), number) for number, crack in enumerate(body.cracks))
-    if distance > 1e-6 * body.cracks[number].length:
-        raise ValueError(f"JunctionInitiation: no crack passes through {place(point)}; the nearest, {crack_title(body.cracks, number)}, is {distance:.4g} away")
-    return number, np.array(body.cracks[number].PointAt(body.cracks[number].ArcLength(point)))
+    return np.concatenate(points), np.array(inward), np.array(found)

@@ -113,6 +113,14 @@ def test_wing_cracks_open_under_compression():
     assert tips[0] + tips[1] == pytest.approx([1, 0], abs=0.01)  # symmetric about the centre
 
 
+def test_round_off_does_not_close_a_tip():
+    """A law's method may leave 1e-16 of a pressure where nothing presses; a pressure does close it."""
+    solution = pulled(EDGE).Solve()
+    for pressure, closed in ((-1e-16, False), (-1.0, True)):
+        solution.multiplier.vec[:] = pressure
+        assert is_closed(solution, 0) == closed
+
+
 # Laws
 
 

@@ -13,7 +13,8 @@ from ngsxfem_contact.contact import Joint
 from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import GivenIncrement, JunctionInitiation, StressInitiation, WingCracks
-from ngsxfem_contact.fracture.initiation import meeting_points, stress_at
+from ngsxfem_contact.fracture.initiation import stress_at
+from ngsxfem_contact.fracture.junction_initiation import meeting_points
 from ngsxfem_contact.plotting import plot_body
 
 RADIUS = 0.1  # of the hole

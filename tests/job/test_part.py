@@ -21,6 +21,7 @@ from ngsxfem_contact.job.body import crack_of
 from ngsxfem_contact.job.conditions import law_of, laws_of, stabilisation_of
 from ngsxfem_contact.job.gmsh import read_gmsh
 from ngsxfem_contact.job.part import EXAMPLE, read_part
+from ngsxfem_contact.job.results import numbers_of, summary, write_profiles
 from ngsxfem_contact.job.table import RefusedPart, Table
 from ngsxfem_contact.material import Elasticity
 from ngsxfem_contact.operators import Jump
@@ -286,6 +287,53 @@ def test_laws_by_crack():
     for twice in ((joint, rough), (joint | {"crack": 1}, rough | {"crack": 1}), (joint | {"crack": 1}, rough | {"crack": "fault"})):
         with pytest.raises(RefusedPart, match="crack: another table gives the law of"):
             made(*twice)
+
+
+def test_names_of_cracks(tmp_path):
+    """In laws, loads and joints; the results call the crack so."""
+    text = """
+[mesh]
+rectangle = [[0, 0], [1, 1]]
+maxh = 0.2
+[[material]]
+E = 100
+nu = 0.3
+form = "plane strain"
+[[crack]]
+arc = [[0, 0.7], [0.5, 0.75], [1, 0.7]]
+[[crack]]
+polyline = [[0, 0.3], [1, 0.3]]
+name = "fault"
+[[law]]
+name = "Joint"
+k_n = 3
+k_t = 2
+[[law]]
+name = "Coulomb"
+mu_f = 0.3
+crack = KEY
+[[load]]
+face_pressure = 0.1
+crack = KEY
+[[support]]
+joint = 2
+crack = KEY
+[[support]]
+boundary = "bottom|top"
+x = 0
+y = 0
+"""
+    named, numbered = (part_of(tmp_path, text.replace("KEY", key)) for key in ('"fault"', "1"))
+    (one,), (other,) = named.Solve(), numbered.Solve()
+    same(one, other)
+    write_profiles(tmp_path / "profile.csv", named, [one])
+    assert {line.split(",")[1] for line in (tmp_path / "profile.csv").read_text().splitlines()[1:]} == {"0", "fault"}
+    numbers = numbers_of(named, [one])
+    assert [crack["name"] for crack in numbers["steps"][0]["cracks"]] == ["", "fault"] and "contact force ∫λ, fault" in summary(numbers, [one])
+    with pytest.raises(RefusedPart, match="no crack is named 'valt'; there is 'fault'"):
+        part_of(tmp_path, text.replace("KEY", '"valt"'))
+    with pytest.raises(RefusedPart, match="must be the number of a crack, or its name in quotes"):
+        part_of(tmp_path, text.replace("KEY", "1.5"))
 
 
 SPACES = """
