@@ -53,16 +53,20 @@ class FaceHistory:
 def check_continued(old: Nodes, new: Nodes) -> None:
     """Raises ValueError unless each old node lies on the crack of its number, to an interval between nodes."""
     for crack in np.unique(old.cracks):
-        there, (a, b) = old.positions[old.cracks == crack], intervals(new, crack)
-        if not (new.cracks == crack).any():
+        there, before, now = old.positions[old.cracks == crack], intervals(old, crack), intervals(new, crack)
+        if not len(now):
             raise ValueError(f"the history of crack {crack} has no place: there is none of that number now; give all cracks in the order in which they were")
-        if not len(a) or not len(intervals(old, crack)[0]):
-            continue  # one node says nothing of where the crack goes
-        feet, part = nearest_on(there, a, b)
-        off = np.linalg.norm(a[feet] + part[:, None] * (b - a)[feet] - there, axis=1)
-        if off.max() > max(np.linalg.norm(end - start, axis=1).max() for start, end in ((a, b), intervals(old, crack))):
+        a, b = new.positions[now.T]
+        feet = nearest_on(there, a, b)
+        off = np.linalg.norm(a[feet] + parts_before(there, a[feet], b[feet])[:, None] * (b - a)[feet] - there, axis=1)
+        if off.max() > max(longest(old, before), longest(new, now)):
             place = ", ".join(f"{value:.6g}" for value in there[int(np.argmax(off))])
             raise ValueError(f"the history of crack {crack} at ({place}) is not on that crack now; each may be longer than it was, but not another one")
+
+
+def longest(nodes: Nodes, pairs: np.ndarray) -> float:
+    """Of intervals; of nodes alone their weight."""
+    return float(max(np.linalg.norm(nodes.positions[pairs[:, 1]] - nodes.positions[pairs[:, 0]], axis=1).max(), nodes.weights[pairs].max()))
 
 
 def between_nodes(old: Nodes, new: Nodes) -> np.ndarray:
@@ -72,33 +76,34 @@ def between_nodes(old: Nodes, new: Nodes) -> np.ndarray:
     """
     P, inward = np.zeros((len(new), len(old))), directions_inward(new)
     for crack in np.unique(new.cracks):
-        pairs, here = old.neighbours[old.cracks[old.neighbours[:, 0]] == crack], np.flatnonzero(new.cracks == crack)
+        pairs, here = intervals(old, crack), np.flatnonzero(new.cracks == crack)
         if not len(pairs):
-            P[np.ix_(here, np.flatnonzero(old.cracks == crack))] = 1  # a crack with one node, or a new one
-            continue
+            continue  # a crack that has started
         a, b = old.positions[pairs.T]
-        feet, _ = nearest_on(new.positions[here] + 1e-3 * inward[here], a, b)
-        edges, off = (b - a)[feet], new.positions[here] - a[feet]
-        part = np.clip((off * edges).sum(axis=1) / (edges**2).sum(axis=1), 0, 1)
-        reach = np.maximum(0.5 * np.linalg.norm(edges, axis=1), old.weights[pairs[feet, (part > 0.5).astype(int)]])
-        near = np.linalg.norm(part[:, None] * edges - off, axis=1) <= 1.0001 * reach
+        feet = nearest_on(new.positions[here] + 1e-3 * inward[here], a, b)
+        part = parts_before(new.positions[here], a[feet], b[feet])
+        off = np.linalg.norm(a[feet] + part[:, None] * (b - a)[feet] - new.positions[here], axis=1)
+        near = off <= 1.0001 * np.maximum(0.5 * np.linalg.norm((b - a)[feet], axis=1), old.weights[pairs[feet, (part > 0.5).astype(int)]])
         for end, share in ((0, 1 - part), (1, part)):
-            P[here[near], pairs[feet[near], end]] = share[near]
+            np.add.at(P, (here[near], pairs[feet[near], end]), share[near])
     return P
 
 
-def intervals(nodes: Nodes, crack: int) -> tuple[np.ndarray, np.ndarray]:
-    """The two ends, (k, 2) each, of those between neighbours on a crack."""
-    pairs = nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack]
-    return nodes.positions[pairs[:, 0]], nodes.positions[pairs[:, 1]]
+def intervals(nodes: Nodes, crack: int) -> np.ndarray:
+    """(k, 2): the numbers of neighbours on a crack; a node without one is an interval of no length."""
+    on = np.flatnonzero(nodes.cracks == crack)
+    alone = np.setdiff1d(on, nodes.neighbours)
+    return np.concatenate([nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack], np.column_stack([alone, alone])]).astype(int)
 
 
-def nearest_on(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) each: which of the intervals from a to b, (k, 2) each, is the nearest to each of the points, and which part of it is before its foot."""
-    edges = b - a
-    parts = np.clip(((points[:, None] - a) * edges).sum(axis=2) / (edges**2).sum(axis=1), 0, 1)
-    feet = np.argmin(((a + parts[:, :, None] * edges - points[:, None]) ** 2).sum(axis=2), axis=1)
-    return feet, parts[np.arange(len(points)), feet]
+def parts_before(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n,): how much of the intervals from a to b is before the foot of each point, from 0 to 1; (n, dimension) each, or one point."""
+    return np.clip(((points - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), np.finfo(float).tiny), 0, 1)
+
+
+def nearest_on(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n,): which of the intervals from a to b, (k, dimension) each, is the nearest to each of the points."""
+    return np.array([int(np.argmin(((a + parts_before(point, a, b)[:, None] * (b - a) - point) ** 2).sum(axis=1))) for point in points], dtype=int)
 
 
 def directions_inward(nodes: Nodes) -> np.ndarray:

@@ -40,7 +40,7 @@ class TipStep:
     Attributes
     ----------
     crack, name
-        The number of the crack, in the order in which they came, and its name.
+        The number of the crack, in the order in which they came, and its name; -1 of one that does not fit.
     end
         "start" or "end" of the crack, where its tip is; "new" of one that starts.
     x, y
@@ -145,7 +145,7 @@ class CrackGrowth:
         self._warned, self._count = False, 0  # whether of short increments; the number of states so far
 
     def Run(self, steps: int) -> np.ndarray:
-        """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept.
+        """At most so many states, until no tip grows and nothing starts; returns the table. Raises what a solve raises; what was done before is kept.
 
         Parameters
         ----------
@@ -184,6 +184,7 @@ class CrackGrowth:
             raise TypeError(f"CrackGrowth: make_problem returned {problem!r}; it must return a ContactProblem")
         solution = problem.Solve(previous=self._history(problem))
         rows = [self._evaluate(solution, number) for number in range(len(solution.body.tips))]
+        starting = [new for each in self.initiation for new in each.Starts(solution)]
         self._next = cracks, cycles
         growing = [row for row in rows if not row.state]
         if growing:
@@ -191,7 +192,7 @@ class CrackGrowth:
             self._next = cracks, cycles + more
             for row, advance in sorted(zip(growing, advances), key=lambda pair: -pair[0].driving):
                 self._grow(solution, row, float(advance))
-        rows += [self._start(solution, new) for each in self.initiation for new in each.Starts(solution)]
+        rows += [self._start(solution, new) for new in starting]
         for row in rows:
             row.cycles = cycles
         self.solutions.append(solution)
@@ -208,7 +209,7 @@ class CrackGrowth:
         while (name := f"{new.origin}/{n}") in names:
             n += 1
         x, y = new.point
-        row = TipStep(self._count, len(cracks), "new", x, y, 0.0, angle=new.angle, name=name, stress=new.stress)
+        row = TipStep(self._count, -1, "new", x, y, 0.0, angle=new.angle, name=name, stress=new.stress)
         trial = [*cracks, Crack.OfPieces(new.crack.pieces, name)]
         try:
             body = CrackedMesh(solution.body.mesh, *trial)
@@ -218,7 +219,7 @@ class CrackGrowth:
         except Exception as obstacle:  # of the core, as in _grow
             row.state = f"does not start: {obstacle}"
         else:
-            self._next, row.advance, row.state = (trial, cycles), new.crack.length, f"{STARTS}: {new.reason}"
+            self._next, row.crack, row.advance, row.state = (trial, cycles), len(cracks), new.crack.length, f"{STARTS}: {new.reason}"
         return row
 
     def _evaluate(self, solution: ContactSolution, number: int) -> TipStep:

@@ -1,5 +1,7 @@
 """What the faces have gone through when cracks grow, meet, and are solved on other meshes."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from helpers import rectangle
@@ -189,6 +191,26 @@ def test_what_is_carried_is_conserved():
         history = marked(old, lambda crack, p: np.sqrt(max(0.25 - p[0] ** 2, 0)))
         carried = history.Carried(old, new)
         assert 0 <= new.weights @ carried.jump[1] / (old.weights @ history.jump[1]) - 1 < maxh**1.5
+
+
+def test_a_node_alone_has_the_length_of_its_weight():
+    """A crack with one node that becomes longer: what is beyond is new. A second crack with as many nodes as before is not touched."""
+
+    @dataclass
+    class Line:
+        cracks: np.ndarray
+        positions: np.ndarray
+        weights: np.ndarray
+        neighbours: np.ndarray
+
+        def __len__(self):
+            return len(self.cracks)
+
+    at = lambda *xs: np.array([(x, 0.0) for x in xs])
+    old = Line(np.array([0, 1, 1]), at(0.1, 0.5, 0.6), np.array([0.2, 0.1, 0.1]), np.array([[1, 2]]))
+    new = Line(np.array([0, 0, 0, 1, 1]), at(0.05, 0.15, 0.4, 0.5, 0.6), np.array([0.1, 0.1, 0.1, 0.1, 0.1]), np.array([[0, 1], [1, 2], [3, 4]]))
+    carried = FaceHistory(np.ones((1, 3)), np.array([[2.0, 3.0, 4.0]])).Carried(old, new)
+    assert carried.jump[0] == pytest.approx([2, 2, 0, 3, 4])
 
 
 # What is refused
