@@ -30,6 +30,8 @@ class PathSteps:
         A LoadCase of the problem, F_0; default nothing.
     inverse
         As for ContactProblem.Solve.
+    previous
+        As for ContactProblem.Solve: whose history the faces have at first; default none.
 
     Attributes
     ----------
@@ -55,7 +57,9 @@ class PathSteps:
         solutions = [steps.Solve(0.01) for _ in range(50)]
     """
 
-    def __init__(self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None) -> None:
+    def __init__(
+        self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None, previous: ContactSolution | FaceHistory | None = None
+    ) -> None:
         problem = problem.AtNodes()
         if not isinstance(problem.law, NodalLaw):
             raise TypeError(
@@ -65,7 +69,7 @@ class PathSteps:
         self.law, self.reduced = problem.law, ReducedProblem(problem, inverse)
         self.case = self.reduced.case
         self.fixed = 0 * self.case if fixed is None else self.reduced.Reduce(fixed)
-        self.t = 0.0
+        self.t, self.first = 0.0, StepOptions(previous=previous)
         self.last: ContactSolution | None = None
         self._earlier: PathPoint | None = None
 
@@ -85,7 +89,7 @@ class PathSteps:
             Where Newton's method does not end.
         """
         check_positive(step, "PathSteps: step")
-        begin = self.last or self.reduced.Step(StepOptions(), self.fixed)
+        begin = self.last or self.reduced.Step(self.first, self.fixed)
         path = self._path(begin.state)
         point, iterations = path.Step(step, max_iterations)
         logger.info("step of the faces by %g, load factor %g", step, point.t)

@@ -130,6 +130,23 @@ def test_a_fixed_load_beside():
         assert steps.t == pytest.approx((k * profile.gap[1] - p) * HEIGHT / E + profile.gap[1], abs=1e-13)
 
 
+def test_a_path_goes_on_from_damage():
+    """Damaged by steps, then along the path on spaces made anew: by the secant to the largest opening so far, and on the softening branch after it."""
+    law = ExponentialCohesive(1.0, G_C)
+    f, _ = softening(ExponentialCohesive, 1.0, G_C)
+    before = snapping(law)
+    damaged = [before.Solve(0.02) for _ in range(8)][-1]
+    largest = damaged.Profile(n=5).gap[2]
+    steps, seen = PathSteps(snapping(law).reduced.problem, previous=damaged), set()
+    for _ in range(10):
+        profile = steps.Solve(0.25 * largest).Profile(n=5)
+        gap, stress = profile.gap[2], profile.sigma_n[2]
+        seen.add(bool(gap > largest))
+        assert stress == pytest.approx(f(max(gap, largest)) * min(gap / largest, 1), abs=1e-11)
+        assert steps.t == pytest.approx(stress * HEIGHT / E + gap, abs=1e-12)
+    assert largest > 0.02 and seen == {False, True}
+
+
 def test_what_is_refused():
     with pytest.raises(TypeError, match="PathSteps: faces that only touch, Frictionless.*, hold nothing that could give way; take friction"):
         snapping(None)
