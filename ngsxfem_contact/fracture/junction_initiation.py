@@ -167,6 +167,8 @@ def meeting_points(body: CrackedMesh) -> list[tuple[int, np.ndarray]]:
 
 def on_crack(body: CrackedMesh, point: tuple[float, float]) -> tuple[int, np.ndarray]:
     """(number of the crack, the point itself). Raises ValueError unless one passes through it."""
+    if not body.cracks:
+        raise ValueError(f"JunctionInitiation: no crack passes through {place(point)}; the body has none")
     distance, number = min((crack.Distance(point), number) for number, crack in enumerate(body.cracks))
     if distance > 1e-6 * body.cracks[number].length:
         raise ValueError(f"JunctionInitiation: no crack passes through {place(point)}; the nearest, {crack_title(body.cracks, number)}, is {distance:.4g} away")

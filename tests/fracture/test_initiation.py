@@ -280,6 +280,7 @@ def test_small_radii_warn():
         (lambda: JunctionInitiation(1, 0.1, toughness=0), "JunctionInitiation: toughness=0 must be positive"),
         (lambda: StressInitiation(1, 0.2, 0.1, boundary="rim").Starts(domed([]).Solve()), "boundary='rim' matches no boundary; the mesh has"),
         (lambda: StressInitiation(1, 0.2, 0.1, region="rock").Starts(domed([]).Solve()), "region='rock' matches no region; the mesh has"),
+        (lambda: JunctionInitiation(1, 0.1, 0.1, points=[(0.4, 0.4)]).Starts(domed([]).Solve()), "no crack passes through .*; the body has none"),
         (
             lambda: JunctionInitiation(1, 0.1, 0.1, points=[(0.4, 0.4)]).Starts(domed([FAULT]).Solve()),
             "no crack passes through .*; the nearest, crack 0 'fault', is",
