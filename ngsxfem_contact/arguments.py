@@ -9,9 +9,11 @@ import numpy as np
 from ngsolve import CoefficientFunction
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sized
+    from collections.abc import Callable, Sequence, Sized
 
     from ngsolve import Mesh
+
+    from ._ngsxfem_contact import Crack, CrackedMesh
 
 INFINITY = float("inf")
 
@@ -41,6 +43,20 @@ def check_item(number: Any, items: Sized, what: str, where: str) -> None:
     """Raises ValueError unless number is that of an item, counted from the first one."""
     if not isinstance(number, int | np.integer) or not 0 <= number < len(items):
         raise ValueError(f"there is no {what} {number!r}; {where} has {len(items)}, counted from 0")
+
+
+def crack_number(crack: Any, body: CrackedMesh) -> int:
+    """The number of a crack that is given by its number or its name. Raises ValueError if there is none."""
+    if isinstance(crack, str):
+        return body.CrackNumber(crack)
+    check_item(crack, body.cracks, "crack", "body.cracks")
+    return int(crack)
+
+
+def crack_title(cracks: Sequence[Crack], number: int) -> str:
+    """A crack in a message: its number, and its name if it has one."""
+    name = cracks[number].name
+    return f"crack {number}" + (f" '{name}'" if name else "")
 
 
 def check_type(value: Any, types: Any, name: str, must: str) -> None:

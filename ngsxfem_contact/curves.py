@@ -19,12 +19,12 @@ Point: TypeAlias = Sequence[float]
 Points: TypeAlias = Sequence[Point] | np.ndarray
 
 
-def of_spline(spline: "CubicSpline") -> Crack:
+def of_spline(spline: "CubicSpline", name: str = "") -> Crack:
     """The Crack along a scipy CubicSpline with two components."""
     t, p, d = spline.x, spline(spline.x), spline(spline.x, 1)
     h = np.diff(t)[:, None]
     pieces = np.stack([p[:-1], h * d[:-1], p[1:], h * d[1:]], axis=1)
-    return Crack.OfPieces([("cubic", [(float(x), float(y)) for x, y in piece]) for piece in pieces])
+    return Crack.OfPieces([("cubic", [(float(x), float(y)) for x, y in piece]) for piece in pieces], name)
 
 
 def checked(points: Points, name: str) -> np.ndarray:
@@ -41,7 +41,7 @@ def checked(points: Points, name: str) -> np.ndarray:
     return array
 
 
-def spline(points: Points, ends: str = "not-a-knot") -> Crack:
+def spline(points: Points, ends: str = "not-a-knot", name: str = "") -> Crack:
     """The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline.
 
     Parameters
@@ -50,6 +50,8 @@ def spline(points: Points, ends: str = "not-a-knot") -> Crack:
         Two give a segment.
     ends
         "not-a-knot" or "natural" (no curvature at the ends). Two points give a segment.
+    name
+        Of the crack.
 
     Raises
     ------
@@ -66,11 +68,11 @@ def spline(points: Points, ends: str = "not-a-knot") -> Crack:
         i = int(np.argmin(chords))
         raise ValueError(f"Crack.Spline: points {i} and {i + 1} coincide at {tuple(points[i].tolist())}; remove one of them")
     if len(points) == 2:
-        return Crack([tuple(p) for p in points.tolist()])
-    return of_spline(scipy.interpolate.CubicSpline(np.concatenate([[0], np.cumsum(chords)]), points, bc_type=ends))
+        return Crack([tuple(p) for p in points.tolist()], name)
+    return of_spline(scipy.interpolate.CubicSpline(np.concatenate([[0], np.cumsum(chords)]), points, bc_type=ends), name)
 
 
-def curve(function: Callable[[float], Point], t0: float, t1: float, tolerance: float = 1e-7, max_pieces: int = 4096) -> Crack:
+def curve(function: Callable[[float], Point], t0: float, t1: float, tolerance: float = 1e-7, max_pieces: int = 4096, name: str = "") -> Crack:
     """The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length.
 
     Parameters
@@ -86,6 +88,8 @@ def curve(function: Callable[[float], Point], t0: float, t1: float, tolerance: f
         pieces, tolerance^(-1/4).
     max_pieces : int
         The largest number of cubics.
+    name : str
+        Of the crack.
 
     Raises
     ------
@@ -100,7 +104,7 @@ def curve(function: Callable[[float], Point], t0: float, t1: float, tolerance: f
     t = np.linspace(t0, t1, 9)
     length = np.hypot(*np.diff(at(t), axis=0).T).sum()
     try:
-        return of_spline(fitted(at, t, tolerance * length, max_pieces))
+        return of_spline(fitted(at, t, tolerance * length, max_pieces), name)
     except NotFitted as failed:
         raise ValueError(
             f"Crack.Curve: {failed.pieces} cubics deviate by {failed.error / length:.1e}, more than tolerance={tolerance:g} × length; "
@@ -137,7 +141,9 @@ def fitted(at: Callable[[np.ndarray], np.ndarray], t: np.ndarray, tolerance: flo
         t = np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in zip(t, t[1:], parts)), t[-1:]])
 
 
-def level_set(mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | None = None, tolerance: float | None = None, max_points: int = 4096) -> Crack:
+def level_set(
+    mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | None = None, tolerance: float | None = None, max_points: int = 4096, name: str = ""
+) -> Crack:
     """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0.
 
     The signs of φ at the vertices lead from element to element; points of φ = 0 are found to round-off, and a spline through some of them deviates from φ
@@ -156,6 +162,8 @@ def level_set(mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | N
         Relative to the length; default 1e-6 of the size of the elements that the crack meets.
     max_points : int
         The largest number of points of the spline.
+    name : str
+        Of the crack.
 
     Raises
     ------
@@ -170,7 +178,7 @@ def level_set(mesh: Mesh, phi: CoefficientFunction, psi: CoefficientFunction | N
     psi = None if psi is None else check_function(psi, "Crack.LevelSet: psi", 1)
     chain = LevelSetChain(mesh, phi, psi).Points()
     length = np.hypot(*np.diff(chain.points, axis=0).T).sum()
-    return chain.Fitted(1e-6 * chain.size if tolerance is None else tolerance * length, max_points)
+    return chain.Fitted(1e-6 * chain.size if tolerance is None else tolerance * length, max_points, name)
 
 
 class LevelSetChain:
@@ -276,13 +284,13 @@ class LevelSetChain:
         left = 0.5 * (points[i] + points[i - 1]) + 0.05 * np.array([-chord[1], chord[0]])
         return points if self.Value(self.phi, left[None])[0] > 0 else points[::-1]
 
-    def Fitted(self, tolerance: float, max_points: int) -> Crack:
+    def Fitted(self, tolerance: float, max_points: int, name: str) -> Crack:
         """The spline through points of φ = 0 above or below the spline through those on edges, as many as the tolerance takes."""
         points = self.points
         ends = points[[0, -1]]
         direction = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0]))
         if np.abs((points - ends[0]) @ [-direction[1], direction[0]]).max() <= tolerance:
-            return Crack([tuple(p) for p in ends.tolist()])
+            return Crack([tuple(p) for p in ends.tolist()], name)
         chords = np.hypot(*np.diff(points, axis=0).T)
         t = np.concatenate([[0], np.cumsum(chords)])
         first = scipy.interpolate.CubicSpline(t, points)
@@ -295,7 +303,7 @@ class LevelSetChain:
             return places
 
         try:
-            return of_spline(fitted(at, np.linspace(0, t[-1], max(8, len(t) // 4) + 1), tolerance, max_points))
+            return of_spline(fitted(at, np.linspace(0, t[-1], max(8, len(t) // 4) + 1), tolerance, max_points), name)
         except NotFitted as failed:
             raise ValueError(
                 f"Crack.LevelSet: a spline of {failed.pieces} pieces deviates by {failed.error:.1e}, more than {tolerance:.1e}; "

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from ngsolve import VOL, ElementId
 
 if TYPE_CHECKING:
     from ngsolve import Mesh
@@ -27,8 +28,13 @@ def place(point: tuple[float, float]) -> str:
 
 def crack_points(body: CrackedMesh, crack: int, arclengths: list[float] | np.ndarray) -> np.ndarray:
     """NGSolve's mesh points at arc lengths of a crack, each in an element that carries that part of it."""
-    elements, xi, eta = body.OnCrack(crack, list(arclengths))
-    points = body.mesh(np.full(len(elements), body.cracks[crack].points[0][0]), np.full(len(elements), body.cracks[crack].points[0][1]))
+    return mesh_points(body.mesh, *body.OnCrack(crack, list(arclengths)))
+
+
+def mesh_points(mesh: Mesh, elements: np.ndarray, xi: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    """NGSolve's mesh points at reference coordinates in elements, (n,) each."""
+    inside = np.mean([mesh[v].point for v in mesh[ElementId(VOL, 0)].vertices], axis=0)
+    points = np.repeat(mesh(*inside[:, None]), len(elements))
     points["nr"], points["x"], points["y"] = elements, xi, eta
     return points
 

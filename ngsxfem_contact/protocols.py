@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .contact.problem import ContactProblem
     from .contact.report import Report
     from .contact.solution import ContactSolution
+    from .fracture.initiation import NewCrack
     from .fracture.stress_intensity import StressIntensityFactors
     from .material import Isotropic
     from .operators import Component
@@ -203,6 +204,13 @@ class GrowthLaw(Protocol):
 
     def Advances(self, driving: np.ndarray) -> tuple[np.ndarray, float]:
         """(lengths, cycles): how far each of the tips that grow advances, and in how many cycles; driving: their driving factors, (n,)."""
+
+
+class CrackInitiation(Protocol):
+    """Where cracks start in the course of growth."""
+
+    def Starts(self, solution: "ContactSolution") -> "Sequence[NewCrack]":
+        """What starts in a state, none or more."""
 
 
 class DirectSolver(Protocol):

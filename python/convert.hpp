@@ -19,11 +19,11 @@ namespace ngsxfem_contact
   inline std::array<Pair,3> ToPairs (const Triangle & t) { return { ToPair(t[0]), ToPair(t[1]), ToPair(t[2]) }; }
   inline Point ToPoint (Pair p) { return Point(p.first, p.second); }
 
-  inline Crack ToCrack (const std::vector<Pair> & pairs)
+  inline Crack ToCrack (const std::vector<Pair> & pairs, const std::string & name)
   {
     std::vector<Point> points;
     for (auto & p : pairs) points.push_back(ToPoint(p));
-    return Crack(points);
+    return Crack(points).Named(name);
   }
 
   inline std::vector<Pair> ToPairs (const std::vector<Point> & points)
@@ -49,7 +49,7 @@ namespace ngsxfem_contact
     return pieces;
   }
 
-  inline Crack CrackOfPieces (const PieceDescriptions & descriptions)
+  inline Crack CrackOfPieces (const PieceDescriptions & descriptions, const std::string & name)
   {
     std::vector<PiecePtr> pieces;
     for (auto & [kind, pairs] : descriptions)
@@ -58,6 +58,12 @@ namespace ngsxfem_contact
         for (auto & pair : pairs) p.push_back(ToPoint(pair));
         for (auto & piece : MakePieces(kind, p)) pieces.push_back(piece);
       }
-    return Crack(pieces);
+    return Crack(pieces).Named(name);
   }
+
+  /// A crack of a body, by its number or its name.
+  using CrackKey = std::variant<size_t, std::string>;
+
+  inline size_t NumberOf (const CrackedMesh & body, const CrackKey & crack)
+  { return std::holds_alternative<size_t>(crack) ? std::get<size_t>(crack) : body.CrackNumber(std::get<std::string>(crack)); }
 }

@@ -18,12 +18,12 @@ static Point FinitePoint (Pair p)
   return ToPoint(p);
 }
 
-static Crack JoinCracks (py::args parts)
+static Crack JoinCracks (py::args parts, const string & name)
 {
   std::vector<PiecePtr> pieces;
   for (auto part : parts)
     for (auto & piece : AsCrack(part, "Crack.Join").Pieces()) pieces.push_back(piece);
-  return Crack(pieces);
+  return Crack(pieces).Named(name);
 }
 
 static void ExportCrack (py::module & m)
@@ -34,18 +34,20 @@ static void ExportCrack (py::module & m)
       "minus to the plus side. Where it ends inside the body it has a tip, on the boundary a mouth,\non another crack a junction; a closed one has no ends.\n\nParameters\n"
       "----------\npoints\n"
       "    The corners (x, y) of a polyline, two or more. Crack.Arc, Crack.Spline, Crack.Curve and Crack.LevelSet make true curves, Crack.Join one crack of\n"
-      "    several.\n\nRaises\n------\nException\n"
+      "    several.\nname\n    What it is called, in arguments that ask for a crack, in messages and tables; default nothing.\n\nRaises\n------\nException\n"
       "    For coordinates that are not finite, points that coincide, and a curve that touches or crosses itself elsewhere than at its two ends.\n\n"
       "Examples\n--------\n>>> crack = Crack([(0, 0), (3, 4)])\n>>> crack.length, crack.points\n"
       "(5.0, [(0.0, 0.0), (3.0, 4.0)])\n>>> crack.SideOf((0, 1))\n<Side.Plus: 1>")
-    .def(py::init(&ToCrack), py::arg("points"))
-    .def_static("Arc", [] (Pair start, Pair through, Pair end) { return Crack({ MakeArc(ToPoint(start), ToPoint(through), ToPoint(end)) }); },
-                py::arg("start"), py::arg("through"), py::arg("end"),
+    .def(py::init(&ToCrack), py::arg("points"), py::arg("name") = "")
+    .def_static("Arc", [] (Pair start, Pair through, Pair end, const string & name)
+                { return Crack({ MakeArc(ToPoint(start), ToPoint(through), ToPoint(end)) }).Named(name); },
+                py::arg("start"), py::arg("through"), py::arg("end"), py::arg("name") = "",
                 "The circular arc from start to end through a third point. Raises an Exception for three points on a line.")
-    .def_static("Join", &JoinCracks, "Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.")
-    .def_static("OfPieces", &CrackOfPieces, py::arg("pieces"),
+    .def_static("Join", &JoinCracks, py::arg("name") = "", "Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.")
+    .def_static("OfPieces", &CrackOfPieces, py::arg("pieces"), py::arg("name") = "",
                 "Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with "
                 "values and derivatives at t = 0 and 1.")
+    .def_property_readonly("name", &Crack::Name, "What it is called in arguments, messages and tables; empty: nothing.")
     .def_property_readonly("points", &PointsOf, "The points of a polyline; of a curve the ends of its pieces.")
     .def_property_readonly("pieces", &PiecesOf, "What OfPieces takes.")
     .def_property_readonly("kinks", [] (const Crack & c)
@@ -68,9 +70,13 @@ static void ExportCrack (py::module & m)
          "The Side of a point (x, y) with respect to the crack and, beyond its ends, to their straight extensions; Plus on the crack itself.")
     .def_property_readonly("side", [] (const Crack & c) -> shared_ptr<CoefficientFunction> { return make_shared<CrackSide>(c); },
                            "H: +1 on the plus side, -1 on the minus side, a CoefficientFunction.")
-    .def("__repr__", [] (const Crack & c) { return c.IsPolyline() ? py::str("Crack({})").format(PointsOf(c)) : py::str("Crack.OfPieces({})").format(PiecesOf(c)); })
-    .def(py::pickle([] (const Crack & c) { return py::make_tuple(PiecesOf(c)); },
-                    [] (py::tuple state) { return CrackOfPieces(state[0].cast<PieceDescriptions>()); }));
+    .def("__repr__", [] (const Crack & c)
+         {
+           auto name = c.Name().empty() ? py::str("") : py::str(", name={!r}").format(c.Name());
+           return c.IsPolyline() ? py::str("Crack({}{})").format(PointsOf(c), name) : py::str("Crack.OfPieces({}{})").format(PiecesOf(c), name);
+         })
+    .def(py::pickle([] (const Crack & c) { return py::make_tuple(PiecesOf(c), c.Name()); },
+                    [] (py::tuple state) { return CrackOfPieces(state[0].cast<PieceDescriptions>(), state[1].cast<string>()); }));
 }
 
 static std::vector<Pair> OutlineOf (const PartTriangle & part, double turn)
@@ -141,11 +147,11 @@ static void ExportLocation (py::module & m)
     .def("__repr__", [] (const Tip & t) { return py::str("Tip(point={}, crack={}, clearance={:.6g})").format(ToPair(t.point), t.crack, t.clearance); });
 }
 
-static py::tuple OnCrack (const CrackedMesh & body, size_t crack, const std::vector<double> & arclengths)
+static py::tuple OnCrack (const CrackedMesh & body, const CrackKey & crack, const std::vector<double> & arclengths)
 {
   std::vector<size_t> elements;
   std::vector<double> xi, eta;
-  for (auto & [element, point] : body.OnCrack(crack, arclengths))
+  for (auto & [element, point] : body.OnCrack(NumberOf(body, crack), arclengths))
     {
       elements.push_back(element);
       xi.push_back(point(0));
@@ -164,8 +170,8 @@ static void ExportCrackedMesh (py::module & m)
       "\nParameters\n----------\nmesh\n"
       "    Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the\n"
       "    body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n*cracks\n"
-      "    The Cracks, one by one.\n\nRaises\n------\nException\n"
-      "    For a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch or touch without\n"
+      "    The Cracks, one by one; without any it is the body as it was. An argument that asks for one of them takes its number, from 0, or its name.\n\nRaises\n------\nException\n"
+      "    For two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch or touch without\n"
       "    crossing.\n\nNotes\n-----\n"
       "An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:\n"
       "`notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a\n"
@@ -182,8 +188,12 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("tips", &CrackedMesh::Tips, "The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.")
     .def_property_readonly("notes", &CrackedMesh::Notes, "Sentences on the ends that were cut off or moved, none where all is as given.")
     .def("CheckMesh", &CrackedMesh::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it.")
-    .def("Ends", [] (const CrackedMesh & b, size_t c) { return b.Location(c).Ends(); }, py::arg("crack"), "The two CrackEnds of a crack, its start first.")
-    .def("Elements", [] (const CrackedMesh & b, size_t c) { b.CheckMesh(); return b.Location(c).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
+    .def("CrackNumber", [] (const CrackedMesh & b, const CrackKey & c) { return NumberOf(b, c); }, py::arg("crack"),
+         "The number of a crack, from 0, by its name. Raises ValueError for a name that no crack has.")
+    .def("Meetings", [] (const CrackedMesh & b, const CrackKey & c) { return b.Location(NumberOf(b, c)).Meetings(); }, py::arg("crack"),
+         "Arc lengths at which a crack meets others, its junctions among them.")
+    .def("Ends", [] (const CrackedMesh & b, const CrackKey & c) { return b.Location(NumberOf(b, c)).Ends(); }, py::arg("crack"), "The two CrackEnds of a crack, its start first.")
+    .def("Elements", [] (const CrackedMesh & b, const CrackKey & c) { b.CheckMesh(); return b.Location(NumberOf(b, c)).Elements(); }, py::arg("crack"), "The ElementLocations of the elements that a crack meets.")
     .def("Parts", [] (py::object self, size_t element)
          {
            auto & body = self.cast<const CrackedMesh &>();
@@ -216,20 +226,20 @@ static void ExportCrackedMesh (py::module & m)
            if (auto cut = b.Find(element)) for (auto & here : cut->cracks) numbers.push_back(here.crack);
            return numbers;
          }, py::arg("element"), "Numbers of the cracks that meet an element.")
-    .def("CutBoundaryElements", [] (const CrackedMesh & b, size_t c)
+    .def("CutBoundaryElements", [] (const CrackedMesh & b, const CrackKey & c)
          {
            std::vector<size_t> elements;
-           for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) elements.push_back(nr);
+           for (auto & [nr, edge] : b.Location(NumberOf(b, c)).BoundaryEdges()) elements.push_back(nr);
            return elements;
          }, py::arg("crack"), "Numbers of the boundary elements that a crack cuts.")
-    .def("CutBoundaryPoints", [] (const CrackedMesh & b, size_t c)
+    .def("CutBoundaryPoints", [] (const CrackedMesh & b, const CrackKey & c)
          {
            std::vector<std::pair<size_t, Pair>> points;
-           for (auto & [nr, edge] : b.Location(c).BoundaryEdges()) points.push_back({ nr, ToPair(edge.crossing) });
+           for (auto & [nr, edge] : b.Location(NumberOf(b, c)).BoundaryEdges()) points.push_back({ nr, ToPair(edge.crossing) });
            return points;
          }, py::arg("crack"), "The boundary elements that a crack cuts, with the points (x, y) at which it cuts them: a list of (number, point).")
-    .def("CrackElements", &CrackedMesh::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
-    .def("MeshNodes", &MeshNodes, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
+    .def("CrackElements", [] (const CrackedMesh & b, const std::optional<CrackKey> & c) { return b.CrackElements(c ? std::optional(NumberOf(b, *c)) : std::nullopt); }, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
+    .def("MeshNodes", [] (const CrackedMesh & b, const CrackKey & c, bool kinks) { return MeshNodes(b, NumberOf(b, c), kinks); }, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
     .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.")
     .def_property_readonly("normal", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, false); },
                            "The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.")

@@ -54,14 +54,17 @@ void ExportMeasures (py::module & m)
   py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol",
       "A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).")
     .def("__call__", [] (const CutDifferentialSymbol & dx, decltype(Restriction::definedon) definedon, int bonus_intorder, shared_ptr<ngcore::BitArray> elements,
-                         std::optional<size_t> crack, decltype(Restriction::nodes) nodes, shared_ptr<ngcomp::FESpace> space)
-         { return dx.Restricted({ definedon, bonus_intorder, elements, crack, nodes, space }); },
+                         std::optional<CrackKey> crack, decltype(Restriction::nodes) nodes, shared_ptr<ngcomp::FESpace> space)
+         {
+           auto number = crack ? std::optional(NumberOf(*dx.measure.body, *crack)) : std::nullopt;
+           return dx.Restricted({ definedon, bonus_intorder, elements, number, nodes, space });
+         },
          py::arg("definedon") = none.definedon, py::arg("bonus_intorder") = none.bonus_intorder, py::arg("definedonelements") = none.definedonelements,
-         py::arg("crack") = none.crack, py::arg("nodes") = none.nodes, py::arg("space") = none.space,
+         py::arg("crack") = py::none(), py::arg("nodes") = none.nodes, py::arg("space") = none.space,
          "The same measure, restricted or refined.\n\nParameters\n----------\ndefinedon\n"
          "    A Region, or the name (a regular expression) of materials for dx, of boundaries for ds.\nbonus_intorder\n"
          "    Added to the order of the rules.\ndefinedonelements\n    BitArray of elements.\ncrack\n"
-         "    Number of the only crack.\nnodes\n"
+         "    Number or name of the only crack.\nnodes\n"
          "    Arc lengths at which rules on the cracks are divided, one list for each crack.\nspace\n"
          "    A CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules always serve the spaces whose\n"
          "    functions, trial or test functions are part of an integrand.\n\nRaises\n------\nException\n"

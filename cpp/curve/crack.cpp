@@ -58,6 +58,16 @@ namespace ngsxfem_contact
     return crack;
   }
 
+  Crack Crack :: Named (std::string aname) const
+  {
+    Crack crack = *this;
+    crack.name = std::move(aname);
+    return crack;
+  }
+
+  std::string Crack :: Label (size_t number) const
+  { return std::to_string(number) + (name.empty() ? "" : " '" + name + "'"); }
+
   void Crack :: SetPieces (std::vector<PiecePtr> apieces)
   {
     pieces = std::move(apieces);

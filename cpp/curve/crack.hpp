@@ -14,6 +14,7 @@ namespace ngsxfem_contact
     std::vector<double> arclength;   // at the points
     std::vector<bool> kink;          // at the points
     bool closed = false;
+    std::string name;                // of the user; empty: none
     BoxTree boxes;                   // of parts of the pieces that are nearly straight
     std::vector<size_t> piece_of;    // by box
 
@@ -27,6 +28,12 @@ namespace ngsxfem_contact
     explicit Crack (std::vector<PiecePtr> apieces);
     /// A stretch of a crack, which need not be checked again.
     static Crack Unchecked (std::vector<PiecePtr> pieces);
+
+    /// The same curve with another name.
+    Crack Named (std::string aname) const;
+    const std::string & Name() const { return name; }
+    /// In messages: its number in a body, and its name if it has one.
+    std::string Label (size_t number) const;
 
     /// The ends of the pieces: the points of a polyline.
     const std::vector<Point> & Points() const { return points; }

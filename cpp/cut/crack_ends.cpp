@@ -21,7 +21,7 @@ namespace ngsxfem_contact
 
     public:
       CrackEnds (const Crack & acrack, size_t number, const BodyBoundary & aboundary, std::vector<std::string> & anotes)
-        : crack(acrack), boundary(aboundary), name("crack " + std::to_string(number)), notes(anotes), short_part(1e-7*boundary.SmallestElement()) { }
+        : crack(acrack), boundary(aboundary), name("crack " + acrack.Label(number)), notes(anotes), short_part(1e-7*boundary.SmallestElement()) { }
 
       Crack Fitted () const
       {
@@ -35,7 +35,7 @@ namespace ngsxfem_contact
             double t0 = i == cuts[0].piece ? cuts[0].t : 0, t1 = i == cuts[1].piece ? cuts[1].t : piece.End();
             pieces.push_back(t0 == 0 && t1 == piece.End() ? crack.Pieces()[i] : piece.Between(t0, t1));
           }
-        return IsWhole(cuts) ? crack : Crack(pieces);
+        return IsWhole(cuts) ? crack : Crack(pieces).Named(crack.Name());
       }
 
     private:

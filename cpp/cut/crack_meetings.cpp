@@ -163,7 +163,7 @@ namespace ngsxfem_contact
       {
         auto pieces = cracks[number].Pieces();
         pieces[Piece()] = piece;
-        return Crack::Unchecked(pieces);
+        return Crack::Unchecked(pieces).Named(cracks[number].Name());
       }
 
       /// Up to, or from an arc length.
@@ -175,7 +175,7 @@ namespace ngsxfem_contact
         pieces[last] = at_end ? pieces[last]->Between(0, t) : pieces[last]->Between(t, pieces[last]->End());
         if (at_end) pieces.resize(last+1);
         else pieces.erase(pieces.begin(), pieces.begin()+last);
-        return Crack(pieces);
+        return Crack(pieces).Named(extended.Name());
       }
     };
   }
@@ -194,7 +194,7 @@ namespace ngsxfem_contact
           if (!fitted) continue;
           cracks[c] = *fitted;
           Point now = at_end ? fitted->Points().back() : fitted->Points().front();
-          notes.push_back("crack " + std::to_string(c) + ": its " + (at_end ? "end " : "start ") + ToString(given) + " is nearer to another crack than a tenth of the element there ("
+          notes.push_back("crack " + fitted->Label(c) + ": its " + (at_end ? "end " : "start ") + ToString(given) + " is nearer to another crack than a tenth of the element there ("
                           + Digits(h) + "); it ends on that crack, at " + ToString(now));
         }
   }
@@ -207,7 +207,7 @@ namespace ngsxfem_contact
         {
           PairOfCracks both(cracks[c], cracks[d], tolerance);
           if (both.conflict.size())
-            throw Exception("CrackedMesh: cracks " + std::to_string(c) + " and " + std::to_string(d) + " " + both.conflict);
+            throw Exception("CrackedMesh: cracks " + cracks[c].Label(c) + " and " + cracks[d].Label(d) + " " + both.conflict);
           for (auto [s, t] : both.meetings)
             {
               meetings[c].push_back(s);

@@ -13,7 +13,7 @@ namespace ngsxfem_contact
   {
     if (located_in.deformed)
       throw Exception("CrackedMesh: the mesh is moved by SetDeformation, which cracks and rules know nothing of; build a mesh of the moved body");
-    if (cracks.empty()) throw Exception("CrackedMesh: give at least one crack");
+    CheckNames();
     CheckTriangles(*mesh);
     BodyBoundary boundary(*mesh);
     for (size_t c = 0; c < cracks.size(); c++) cracks[c] = FittedToBody(cracks[c], c, boundary, notes);
@@ -174,6 +174,26 @@ namespace ngsxfem_contact
     return crack;
   }
 
+  void CrackedMesh :: CheckNames () const
+  {
+    for (size_t c = 0; c < cracks.size(); c++)
+      for (size_t d = c+1; d < cracks.size(); d++)
+        if (cracks[c].Name().size() && cracks[c].Name() == cracks[d].Name())
+          throw Exception("CrackedMesh: cracks " + std::to_string(c) + " and " + std::to_string(d) + " are both named '" + cracks[c].Name() + "'; give each a name of its own");
+  }
+
+  size_t CrackedMesh :: CrackNumber (const string & name) const
+  {
+    string names;
+    for (size_t c = 0; c < cracks.size(); c++)
+      {
+        if (cracks[c].Name().empty()) continue;
+        if (cracks[c].Name() == name) return c;
+        names += (names.empty() ? "'" : ", '") + cracks[c].Name() + "'";
+      }
+    throw std::invalid_argument("CrackedMesh: no crack is named '" + name + "'; " + (names.empty() ? "none has a name, see Crack(..., name=)" : "there is " + names));
+  }
+
   std::vector<std::pair<size_t, ngfem::IntegrationPoint>> CrackedMesh :: OnCrack (size_t c, const std::vector<double> & arclengths) const
   {
     CheckMesh();
@@ -212,7 +232,7 @@ namespace ngsxfem_contact
   {
     tip.distances.push_back({ boundary.Nearest(tip.point).distance, "the boundary of the body" });
     for (size_t c = 0; c < cracks.size(); c++)
-      if (c != tip.crack) tip.distances.push_back({ cracks[c].Nearest(tip.point).distance, "crack " + std::to_string(c) });
+      if (c != tip.crack) tip.distances.push_back({ cracks[c].Nearest(tip.point).distance, "crack " + cracks[c].Label(c) });
     tip.clearance = std::numeric_limits<double>::infinity();
     auto limit = [&] (double distance, std::string what)
     { if (distance < tip.clearance) { tip.clearance = distance; tip.limit = what; } };

@@ -83,6 +83,8 @@ namespace ngsxfem_contact
     /// These throw for a number that is not below NumCracks().
     const Crack & GetCrack (size_t i) const { return cracks[Checked(i)]; }
     const CrackLocation & Location (size_t i) const { return locations[Checked(i)]; }
+    /// The number of the crack with a name. Throws if there is none.
+    size_t CrackNumber (const string & name) const;
     /// Points of a crack at arc lengths, each in an element that carries that part of it, in reference coordinates.
     std::vector<std::pair<size_t, ngfem::IntegrationPoint>> OnCrack (size_t crack, const std::vector<double> & arclengths) const;
     const std::vector<Crack> & Cracks() const { return cracks; }
@@ -98,6 +100,7 @@ namespace ngsxfem_contact
 
   private:
     size_t Checked (size_t crack) const;
+    void CheckNames () const;
     void LocateCracks (const std::vector<std::vector<double>> & meetings);
     CutElement & CutElementOf (size_t element);
     void AlignEdges ();

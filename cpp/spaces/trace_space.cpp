@@ -178,7 +178,7 @@ namespace ngsxfem_contact
         bool increasing = s.size() > 1 && std::abs(s.front()) <= 1e-10*length && std::abs(s.back()-length) <= 1e-10*length;
         for (size_t i = 0; i+1 < s.size(); i++) increasing = increasing && s[i] < s[i+1];
         if (!increasing)
-          throw Exception("TraceSpace: the nodes on crack " + ngcore::ToString(c) + " must be arc lengths that increase from 0 to its length " + ngcore::ToString(length));
+          throw Exception("TraceSpace: the nodes on crack " + body->GetCrack(c).Label(c) + " must be arc lengths that increase from 0 to its length " + ngcore::ToString(length));
       }
   }
 

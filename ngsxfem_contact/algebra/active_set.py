@@ -57,7 +57,7 @@ def solve_active_set(Q: np.ndarray, q: np.ndarray, start: np.ndarray | None = No
     for _ in range(max_iterations):
         p, w = solve_equalities(Q, q, active)
         y = p - r * w
-        new = y < np.where(active, 1, -1) * ROUND_OFF * np.abs(y).max()
+        new = y < np.where(active, 1, -1) * ROUND_OFF * np.abs(y).max(initial=0)
         history.append(new)
         if np.array_equal(new, active):
             return ActiveSetResult(p, history, 0)

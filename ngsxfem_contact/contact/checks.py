@@ -39,7 +39,7 @@ def check_gap(system: ContactSystem) -> None:
     gap = system.G[: len(system.nodes)]
     if not np.isfinite(gap).all():
         raise ValueError("the initial gap is not finite (NaN or inf): check `gap` on the whole crack")
-    if (gap < -1e-12 * np.abs(gap).max()).any():
+    if (gap < -1e-12 * np.abs(gap).max(initial=0)).any():
         raise ValueError("the initial gap is negative on a part of the crack: the faces would overlap at first; check `gap` on the whole crack")
 
 

@@ -32,7 +32,7 @@ class FaceHistory:
     variables: dict[str, np.ndarray] = field(default_factory=dict)
 
     def Carried(self, old: Nodes, new: Nodes) -> FaceHistory:
-        """The same on other nodes, those of another mesh or of longer cracks: interpolated along each crack, zero on parts that are new.
+        """The same on other nodes, those of another mesh or of longer cracks: interpolated along each arm of a crack, zero on parts that are new.
 
         Parameters
         ----------
@@ -40,28 +40,79 @@ class FaceHistory:
             The nodes of this history.
         new
             Those of cracks with the same numbers.
+
+        Raises
+        ------
+        ValueError
+            If a crack of the old nodes is not part of the one with its number.
         """
+        check_continued(old, new)
         P = between_nodes(old, new).T
         return FaceHistory(self.traction @ P, self.jump @ P, {name: values @ P for name, values in self.variables.items()})
 
 
+def check_continued(old: Nodes, new: Nodes) -> None:
+    """Raises ValueError unless each old node lies on the crack of its number, to an interval between nodes."""
+    for crack in np.unique(old.cracks):
+        there, before, now = old.positions[old.cracks == crack], intervals(old, crack), intervals(new, crack)
+        if not len(now):
+            raise ValueError(f"the history of crack {crack} has no place: there is none of that number now; give all cracks in the order in which they were")
+        a, b = new.positions[now.T]
+        feet = nearest_on(there, a, b)
+        off = np.linalg.norm(a[feet] + parts_before(there, a[feet], b[feet])[:, None] * (b - a)[feet] - there, axis=1)
+        if off.max() > max(longest(old, before), longest(new, now)):
+            place = ", ".join(f"{value:.6g}" for value in there[int(np.argmax(off))])
+            raise ValueError(f"the history of crack {crack} at ({place}) is not on that crack now; each may be longer than it was, but not another one")
+
+
+def longest(nodes: Nodes, pairs: np.ndarray) -> float:
+    """Of intervals; of nodes alone their weight."""
+    return float(max(np.linalg.norm(nodes.positions[pairs[:, 1]] - nodes.positions[pairs[:, 0]], axis=1).max(), nodes.weights[pairs].max()))
+
+
 def between_nodes(old: Nodes, new: Nodes) -> np.ndarray:
-    """(len(new), len(old)): linear interpolation between neighbours on the same crack; rows of zeros beyond half an interval after the last node."""
-    P = np.zeros((len(new), len(old)))
-    a, b = old.neighbours.T
-    edges = old.positions[b] - old.positions[a]
-    for i, (crack, point) in enumerate(zip(new.cracks, new.positions)):
-        here = np.flatnonzero(old.cracks[a] == crack)
-        if not len(here):
-            P[i, np.flatnonzero(old.cracks == crack)] = 1  # a crack with one node
-            continue
-        lengths = (edges[here] ** 2).sum(axis=1)
-        part = np.clip(((point - old.positions[a[here]]) * edges[here]).sum(axis=1) / lengths, 0, 1)
-        distances = ((old.positions[a[here]] + part[:, None] * edges[here] - point) ** 2).sum(axis=1)
-        nearest = int(np.argmin(distances))
-        if distances[nearest] <= 0.2501 * lengths[nearest]:
-            P[i, a[here[nearest]]], P[i, b[here[nearest]]] = 1 - part[nearest], part[nearest]
+    """(len(new), len(old)): linear interpolation between neighbours on the same arm of a crack; rows of zeros beyond the last node by more than half an interval, and than its weight.
+
+    Where arms meet each has a node at the same place: a new one belongs to the arm on which its neighbours are.
+    """
+    P, inward = np.zeros((len(new), len(old))), directions_inward(new)
+    for crack in np.unique(new.cracks):
+        pairs, here = intervals(old, crack), np.flatnonzero(new.cracks == crack)
+        if not len(pairs):
+            continue  # a crack that has started
+        a, b = old.positions[pairs.T]
+        feet = nearest_on(new.positions[here] + 1e-3 * inward[here], a, b)
+        part = parts_before(new.positions[here], a[feet], b[feet])
+        off = np.linalg.norm(a[feet] + part[:, None] * (b - a)[feet] - new.positions[here], axis=1)
+        near = off <= 1.0001 * np.maximum(0.5 * np.linalg.norm((b - a)[feet], axis=1), old.weights[pairs[feet, (part > 0.5).astype(int)]])
+        for end, share in ((0, 1 - part), (1, part)):
+            np.add.at(P, (here[near], pairs[feet[near], end]), share[near])
     return P
+
+
+def intervals(nodes: Nodes, crack: int) -> np.ndarray:
+    """(k, 2): the numbers of neighbours on a crack; a node without one is an interval of no length."""
+    on = np.flatnonzero(nodes.cracks == crack)
+    alone = np.setdiff1d(on, nodes.neighbours)
+    return np.concatenate([nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack], np.column_stack([alone, alone])]).astype(int)
+
+
+def parts_before(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n,): how much of the intervals from a to b is before the foot of each point, from 0 to 1; (n, dimension) each, or one point."""
+    return np.clip(((points - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), np.finfo(float).tiny), 0, 1)
+
+
+def nearest_on(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(n,): which of the intervals from a to b, (k, dimension) each, is the nearest to each of the points."""
+    return np.array([int(np.argmin(((a + parts_before(point, a, b)[:, None] * (b - a) - point) ** 2).sum(axis=1))) for point in points], dtype=int)
+
+
+def directions_inward(nodes: Nodes) -> np.ndarray:
+    """(n, dimension): of each node the sum of the ways to its neighbours; at the end of an arm it points into the arm."""
+    ways, (a, b) = np.zeros_like(nodes.positions), nodes.neighbours.T
+    np.add.at(ways, a, nodes.positions[b] - nodes.positions[a])
+    np.add.at(ways, b, nodes.positions[a] - nodes.positions[b])
+    return ways
 
 
 @dataclass(frozen=True)
@@ -134,15 +185,19 @@ class Faces:
     @cached_property
     def stiffness(self) -> np.ndarray:
         """(k, n), stress / length: what the body opposes to a jump at one node alone."""
-        return self.jump_weights / (self.own.reshape(-1, len(self.nodes)) * self.traction_weights)
+        return self.jump_weights / (self._by_component(self.own) * self.traction_weights)
 
     def Tractions(self, p: np.ndarray) -> np.ndarray:
         """(k, n) stresses."""
-        return p.reshape(-1, len(self.nodes)) / self.traction_weights
+        return self._by_component(p) / self.traction_weights
 
     def Jumps(self, w: np.ndarray) -> np.ndarray:
         """(k, n) lengths: means of opening and slip."""
-        return -w.reshape(-1, len(self.nodes)) / self.jump_weights
+        return -self._by_component(w) / self.jump_weights
+
+    def _by_component(self, values: np.ndarray) -> np.ndarray:
+        """(k, n)."""
+        return values.reshape(len(values) // max(len(self.nodes), 1), len(self.nodes))
 
     def After(self, p: np.ndarray, w: np.ndarray, variables: dict[str, np.ndarray]) -> FaceHistory:
         """The FaceHistory that ends with p and w."""

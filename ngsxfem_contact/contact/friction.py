@@ -60,7 +60,7 @@ class Frictionless:
     def Violation(self, p: np.ndarray, w: np.ndarray, faces: Faces, scales: Scales) -> float:
         """The largest violation of p ≤ 0, w ≤ 0, p·w = 0, relative."""
         p, w = p / scales.traction, w / scales.moments
-        return float(max(p.max(), w.max(), np.minimum(-p, -w).max(), 0))
+        return float(max(values.max(initial=0) for values in (p, w, np.minimum(-p, -w))))
 
     def At(self, nodes: Points) -> SlidingRelation:
         """Beside other laws: nothing resists slip."""

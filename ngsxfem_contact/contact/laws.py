@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ngsolve import CoefficientFunction
 
-from ..algebra.face_relations import CohesiveRelation, ElasticRelation, HyperbolicClosure, LinearClosure, SlidingRelation
+from ..algebra.closures import HyperbolicClosure, LinearClosure
+from ..algebra.face_relations import CohesiveRelation, ElasticRelation, SlidingRelation
 from ..algebra.nodal_newton import Threshold
 from ..algebra.softening import ExponentialSoftening, LinearSoftening
 from ..arguments import INFINITY, check_function, check_number

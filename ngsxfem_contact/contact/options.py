@@ -28,7 +28,7 @@ class StepOptions:
     max_iterations
         Of the active set.
     previous
-        The ContactSolution of the last load step, on the same spaces: what its faces have gone through counts; or a FaceHistory at the nodes of the problem.
+        The ContactSolution of the last load step, with the same cracks or shorter ones: what its faces have gone through counts; or a FaceHistory at the nodes of the problem.
     """
 
     cone: str | Cone | None = None

@@ -25,11 +25,13 @@ class PathSteps:
     Parameters
     ----------
     problem : ContactProblem
-        Whose law holds node by node: cohesive laws, joints, MohrCoulomb, BartonBandis, or laws by crack. What it holds now is F_1, given displacements included.
+        Whose law holds node by node, or at the points of Nitsche's method: all but contact without friction. What it holds now is F_1, given displacements included.
     fixed
         A LoadCase of the problem, F_0; default nothing.
     inverse
         As for ContactProblem.Solve.
+    previous
+        As for ContactProblem.Solve: whose history the faces have at first; default none.
 
     Attributes
     ----------
@@ -39,7 +41,7 @@ class PathSteps:
     Raises
     ------
     TypeError
-        For a problem with another law.
+        For contact without friction, and for a law without At(nodes).
 
     Notes
     -----
@@ -55,14 +57,19 @@ class PathSteps:
         solutions = [steps.Solve(0.01) for _ in range(50)]
     """
 
-    def __init__(self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None) -> None:
+    def __init__(
+        self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None, previous: ContactSolution | FaceHistory | None = None
+    ) -> None:
+        problem = problem.AtNodes()
         if not isinstance(problem.law, NodalLaw):
-            raise TypeError(f"PathSteps: the law {problem.law!r} does not hold node by node; take MohrCoulomb, Joint, or another NodalLaw")
+            raise TypeError(
+                f"PathSteps: faces that only touch, {problem.law!r}, hold nothing that could give way; take friction, MohrCoulomb, Joint, or another NodalLaw"
+            )
         check_type(fixed, LoadCase | None, "PathSteps: fixed", "a LoadCase(problem)")
         self.law, self.reduced = problem.law, ReducedProblem(problem, inverse)
         self.case = self.reduced.case
         self.fixed = 0 * self.case if fixed is None else self.reduced.Reduce(fixed)
-        self.t = 0.0
+        self.t, self.first = 0.0, StepOptions(previous=previous)
         self.last: ContactSolution | None = None
         self._earlier: PathPoint | None = None
 
@@ -82,7 +89,7 @@ class PathSteps:
             Where Newton's method does not end.
         """
         check_positive(step, "PathSteps: step")
-        begin = self.last or self.reduced.Step(StepOptions(), self.fixed)
+        begin = self.last or self.reduced.Step(self.first, self.fixed)
         path = self._path(begin.state)
         point, iterations = path.Step(step, max_iterations)
         logger.info("step of the faces by %g, load factor %g", step, point.t)

@@ -11,7 +11,7 @@ import numpy as np
 from ngsolve import CoefficientFunction, InnerProduct, Parameter, dx
 
 from .. import _ngsxfem_contact as core
-from ..arguments import INFINITY, check_function, check_item, check_number, check_type
+from ..arguments import INFINITY, check_function, check_number, check_type, crack_number, crack_title
 from ..loads.face_traction import ComparedTraction
 from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
@@ -70,12 +70,16 @@ def check_no_function(stress: CoefficientFunction) -> None:
         raise ValueError("ContactProblem: initial_stress holds a trial or test function; it is given, a function of the place")
 
 
-def law_of(law: FaceLaw | Mapping[int, LawAtNodes | None] | None, body: CrackedMesh) -> FaceLaw:
+def law_of(law: FaceLaw | Mapping[int | str, LawAtNodes | None] | None, body: CrackedMesh) -> FaceLaw:
     """The law of all faces. Raises TypeError for what is none, ValueError for a crack that is not there."""
     if isinstance(law, Mapping):
-        for crack in law:
-            check_item(crack, body.cracks, "crack", "body.cracks")
-        return LawByCrack({crack: Frictionless() if own is None else own for crack, own in law.items()}, Frictionless())
+        laws: dict[int, LawAtNodes] = {}
+        for crack, own in law.items():
+            number = crack_number(crack, body)
+            if number in laws:
+                raise ValueError(f"ContactProblem: law has two laws of {crack_title(body.cracks, number)}, by its number and by its name; keep one of them")
+            laws[number] = Frictionless() if own is None else own
+        return LawByCrack(laws, Frictionless())
     if law is not None:
         check_role(law, FaceLaw, "ContactProblem: law", "a law such as Coulomb(mu_f), a mapping {crack: law}")
     return Frictionless() if law is None else law
@@ -111,7 +115,7 @@ class ContactProblem:
         Initial gap g_0 ≥ 0 of the faces, a number or CoefficientFunction, in the unit of length. Laws that pull do so on g_n + g_0.
     law
         Of the faces: None (default), contact without friction; Tresca(s), Coulomb(mu_f), MohrCoulomb, Joint, BartonBandis, LinearCohesive, ExponentialCohesive,
-        Dugdale; or {number of a crack: its law}, None on the others.
+        Dugdale; or {number or name of a crack: its law}, None on the others.
     initial_stress
         σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
     temperature
@@ -154,7 +158,7 @@ class ContactProblem:
         stabilisation: Stabilisation | None = BarbosaHughes(),
         cone: str = "nonpositive",
         gap: Coefficient = 0,
-        law: FaceLaw | Mapping[int, LawAtNodes | None] | None = None,
+        law: FaceLaw | Mapping[int | str, LawAtNodes | None] | None = None,
         initial_stress: CoefficientFunction | None = None,
         temperature: Coefficient | None = None,
         friction: FaceLaw | None = None,
@@ -176,11 +180,11 @@ class ContactProblem:
         check_modes(V, material)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
-        self.stabilisation: Stabilisation = stabilisation if stabilisation is not None else Unstabilised()
+        self.stabilisation: Stabilisation = stabilisation if stabilisation is not None and V.body.cracks else Unstabilised()
         self.cone = CONES[cone]
         if law is not None and friction is not None:
             raise TypeError("ContactProblem: friction= and law= both give the law of the faces; keep one of them")
-        self.law = law_of(friction if law is None else law, V.body)
+        self.law = law_of(friction if law is None else law, V.body) if V.body.cracks else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)
@@ -225,7 +229,7 @@ class ContactProblem:
         if form is not self._a:
             raise TypeError(f"problem.a cannot be replaced by {form!r}; add terms to it, problem.a += ...")
 
-    def FacePressure(self, p: Coefficient, crack: int | None = None, bonus_intorder: int = 0) -> None:
+    def FacePressure(self, p: Coefficient, crack: int | str | None = None, bonus_intorder: int = 0) -> None:
         """Adds a pressure on both faces, of a fluid in the crack: it opens the crack where p > 0, and λ ≤ 0 carries what it leaves.
 
         Parameters
@@ -233,14 +237,14 @@ class ContactProblem:
         p
             Number or CoefficientFunction, a stress.
         crack
-            Number of the crack, default all of them.
+            Number or name of the crack, default all of them.
         bonus_intorder
             For functions that are no polynomials along the crack.
         """
         p = check_function(p, "FacePressure: p", 1)
         self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack, bonus_intorder)
 
-    def FaceTraction(self, plus: Any = (0, 0), minus: Any = (0, 0), crack: int | None = None, bonus_intorder: int = 0) -> None:
+    def FaceTraction(self, plus: Any = (0, 0), minus: Any = (0, 0), crack: int | str | None = None, bonus_intorder: int = 0) -> None:
         """Adds tractions on the plus and on the minus face, forces on the body for each unit of length: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
 
         Parameters
@@ -251,9 +255,8 @@ class ContactProblem:
             As for FacePressure.
         """
         plus, minus = (check_function(t, f"FaceTraction: {name}", 2) for t, name in ((plus, "plus"), (minus, "minus")))
-        if crack is not None:
-            check_item(crack, self.body.cracks, "crack", "body.cracks")
-        v, measure = self.V.TestFunction(), self.body.dcrack(crack=crack, bonus_intorder=bonus_intorder)
+        number = None if crack is None else crack_number(crack, self.body)
+        v, measure = self.V.TestFunction(), self.body.dcrack(crack=number, bonus_intorder=bonus_intorder)
         traction = (plus * Plus(v) + minus * Minus(v)) * measure
         if any(term.test for term in core.TermsOf(traction)):  # none where NGSolve sees that both are zero
             self.f += traction
@@ -369,8 +372,8 @@ class ContactProblem:
         max_iterations
             Of the active set.
         previous
-            The ContactSolution of the last load step, on the same spaces: slip is measured from there, and damage stays. Or a FaceHistory at the nodes of W, of a
-            solution with shorter cracks: solution.state.history.Carried(solution.state.nodes, W.nodes).
+            The ContactSolution of the last load step, with the same cracks, or shorter ones: slip is measured from there, and damage stays; what is new of a
+            crack has not gone through anything. Or a FaceHistory at the nodes of the multiplier.
 
 
         Raises
@@ -382,7 +385,7 @@ class ContactProblem:
         NotConverged
             If an iteration stops before its goal, or the answer does not satisfy its own equations.
         ValueError
-            For data that are not finite.
+            For data that are not finite, and for a previous solution with other cracks.
 
         Notes
         -----

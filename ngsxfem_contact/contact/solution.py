@@ -9,7 +9,7 @@ import numpy as np
 from ngsolve import GridFunction, Id, Integrate
 
 from ..algebra.nodal_newton import FREE
-from ..arguments import check_item, check_regions, check_whole
+from ..arguments import check_regions, check_whole, crack_number
 from ..fracture import stress_intensity as fracture
 from ..loads.load import LoadTerms, check_unchanged
 from ..operators import NORMAL
@@ -69,8 +69,8 @@ class ContactSolution:
 
     Other Parameters
     ----------------
-    crack : int
-        Number of the crack.
+    crack : int or str
+        Number or name of the crack.
     tip : int
         A number in `body.tips`.
     """
@@ -162,7 +162,7 @@ class ContactSolution:
         power = stress_power(self.problem.material, self.u, self.u, self._pressure)
         return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
 
-    def ContactForce(self, crack: int = 0) -> float:
+    def ContactForce(self, crack: int | str = 0) -> float:
         """∫λ over a crack, ≤ 0 unless a law pulls: the normal force that its faces exert on each other, stress × length.
 
         Returns
@@ -177,7 +177,7 @@ class ContactSolution:
         """
         return self._along(self.multiplier, crack)
 
-    def TangentialForce(self, crack: int = 0) -> float:
+    def TangentialForce(self, crack: int | str = 0) -> float:
         """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction.
 
         Returns
@@ -187,9 +187,9 @@ class ContactSolution:
         """
         return self._along(self.tangential_multiplier, crack)
 
-    def _along(self, function: GridFunction, crack: int) -> float:
-        check_item(crack, self.body.cracks, "crack", "body.cracks")
-        return Integrate(function * self.problem.W.dcrack(crack=crack), self.body.mesh) if function else 0.0
+    def _along(self, function: GridFunction, crack: int | str) -> float:
+        number = crack_number(crack, self.body)
+        return Integrate(function * self.problem.W.dcrack(crack=number), self.body.mesh) if function else 0.0
 
     def Reactions(self) -> SupportForces:
         """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
@@ -246,7 +246,7 @@ class ContactSolution:
         L = self.state.L
         return L if self.tangential_multiplier else np.concatenate([L, np.zeros(len(L))])
 
-    def Profile(self, crack: int = 0, n: int = 200) -> CrackProfile:
+    def Profile(self, crack: int | str = 0, n: int = 200) -> CrackProfile:
         """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.
 
         sigma_t is λ_t with friction; without, the tangential traction of the larger part of each element, which exact frictionless contact makes zero.
@@ -261,9 +261,8 @@ class ContactSolution:
         ValueError
             For a crack that is not there and for n < 2.
         """
-        check_item(crack, self.body.cracks, "crack", "body.cracks")
         check_whole(n, "Profile: n", 2)
-        return profile(self, crack, n)
+        return profile(self, crack_number(crack, self.body), n)
 
     def FaceTractions(self) -> FaceTractions:
         """What acts on the faces beside contact and friction: the FaceTractions that are given, and those of elastic joints."""
@@ -286,18 +285,17 @@ class ContactSolution:
     def _compared(self, component: Component, side: str | None) -> CoefficientFunction:
         return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.load.Shift(component, side, self.body)
 
-    def Transitions(self, crack: int = 0) -> np.ndarray:
+    def Transitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
         return self._changes(self.report.active[-1], crack)
 
-    def SlipTransitions(self, crack: int = 0) -> np.ndarray:
+    def SlipTransitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
         tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(len(self.state.nodes))
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
-    def _changes(self, states: np.ndarray, crack: int, where: Callable[..., Any] = lambda a, b: True) -> np.ndarray:
-        check_item(crack, self.body.cracks, "crack", "body.cracks")
-        return changes(self.state.nodes, crack, states, where)
+    def _changes(self, states: np.ndarray, crack: int | str, where: Callable[..., Any] = lambda a, b: True) -> np.ndarray:
+        return changes(self.state.nodes, crack_number(crack, self.body), states, where)
 
     def StressIntensity(self, tip: int = 0, method: Any = "interaction", radius: float | None = None) -> StressIntensityFactors:
         """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).

@@ -189,22 +189,21 @@ class ReducedProblem:
     def _history(self, previous: ContactSolution | FaceHistory | None, cone: Cone) -> FaceHistory | None:
         """What the faces have gone through; slip with its stabilising part, so that it is zero exactly where a node sticks and the load is unchanged."""
         problem, size = self.problem, (len(self.problem.law.components), len(self.system.nodes))
-        if previous is None:
+        if previous is None or (isinstance(previous, ContactSolution) and not previous.body.cracks):
             return None
         if isinstance(previous, FaceHistory):
             if previous.jump.shape != size:
                 raise ValueError(f"previous is a history of {previous.jump.shape} components and nodes, the problem has {size}; see FaceHistory.Carried")
             return previous
-        if previous.problem.V is not problem.V or previous.problem.W is not problem.W:
-            raise ValueError("previous is a solution on other spaces; load steps need one on the V and W of the problem")
         if problem.law.depends_on_path and previous.state.cone != cone:
             raise ValueError(f"previous is a solution with the cone {previous.state.cone}, this one has {cone}; all load steps need the same")
         if len(previous.problem.law.components) != len(problem.law.components):
             raise ValueError("previous is a solution with another number of multipliers; both load steps need friction")
-        return previous.state.history
+        history = previous.state.history
+        return history if history is None or is_on(problem, previous) else history.Carried(previous.state.nodes, self.system.nodes)
 
     def _first_set(self, options: StepOptions) -> Any:
-        if options.start is None and isinstance(options.previous, ContactSolution):
+        if options.start is None and isinstance(options.previous, ContactSolution) and is_on(self.problem, options.previous):
             return options.previous.report.active[-1]
         if isinstance(options.start, ContactSolution):
             return active_on(self.system.nodes, options.start)
@@ -217,7 +216,7 @@ class ReducedProblem:
             weights = np.tile(self.system.nodes.weights, len(self.problem.law.components))
             balance = Balance(congruent(T, self.S), T.T @ (self.system.E @ self.motions.R), weights)
             if self.check:
-                check_multiplier(balance.compliance, weights, local_moduli(self.problem.V, self.problem.material).max(), self.system.gamma is not None)
+                check_multiplier(balance.compliance, weights, local_moduli(self.problem.V, self.problem.material).max(initial=0), self.system.gamma is not None)
             self.transformed[cone] = T, balance
         return self.transformed[cone]
 
@@ -246,6 +245,11 @@ class ReducedProblem:
         return float(np.abs(R.T @ sum(forces)).max() / max(size.max(), TINY))
 
 
+def is_on(problem: "ContactProblem", solution: ContactSolution) -> bool:
+    """Whether a solution has the spaces of a problem, so that its nodes are those of the problem."""
+    return solution.problem.V is problem.V and solution.problem.W is problem.W
+
+
 def check_converged(report: Report) -> None:
     """Raises NotConverged where a solution does not satisfy its own equations."""
     if not report.converged:
@@ -258,7 +262,7 @@ def check_converged(report: Report) -> None:
 def active_on(nodes: Nodes, solution: ContactSolution) -> np.ndarray:
     """The active set of a solution at nodes: that of the nearest of its own nodes on the same crack."""
     theirs, active = solution.state.nodes, np.empty(len(nodes), dtype=bool)
-    number, ours = (int(of.cracks.max()) + 1 for of in (theirs, nodes))
+    number, ours = (len(np.unique(of.cracks)) for of in (theirs, nodes))
     if number != ours:
         raise ValueError(f"start is a solution with {number} cracks for a problem with {ours}; both need the same cracks")
     for crack in range(ours):
@@ -278,9 +282,9 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     lengths = np.maximum(abs(T.T) @ np.tile(system.nodes.weights, len(problem.law.components)), TINY)
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
     history = found.faces.history
-    before = 0.0 if history is None else np.abs(history.jump).max()
-    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max(), before)
-    scale = max(np.abs(p).max(), TINY)
+    before = 0.0 if history is None else np.abs(history.jump).max(initial=0)
+    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max(initial=0), before)
+    scale = max(np.abs(p).max(initial=0), TINY)
     return problem.law.Violation(p, w, found.faces, Scales(scale, np.maximum(lengths * displacement, TINY)))
 
 

@@ -52,7 +52,8 @@ class OpenArc:
     def Crack(self, start: Any = None) -> Any:
         """The whole arc, or the part from an angle start (a mouth) to the last tip."""
         first, last = np.pi / 2 + self.alpha if start is None else start, np.pi / 2 - self.alpha
-        return Crack.Arc(*((float(np.cos(t)), float(np.sin(t))) for t in (first, 0.5 * (first + last), last)))
+        a, b, c = ((float(np.cos(t)), float(np.sin(t))) for t in (first, 0.5 * (first + last), last))
+        return Crack.Arc(a, b, c)
 
     @property
     def far(self) -> Any:

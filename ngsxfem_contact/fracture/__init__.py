@@ -2,6 +2,20 @@
 
 from .growth import CrackGrowth
 from .growth_laws import GivenIncrement, MaximumHoopStress, Paris, WingCracks
+from .initiation import NewCrack, StressInitiation
+from .junction_initiation import JunctionInitiation
 from .stress_intensity import InteractionIntegral, JumpExtrapolation, ModeCoefficients
 
-__all__ = ["CrackGrowth", "GivenIncrement", "InteractionIntegral", "JumpExtrapolation", "MaximumHoopStress", "ModeCoefficients", "Paris", "WingCracks"]
+__all__ = [
+    "CrackGrowth",
+    "GivenIncrement",
+    "InteractionIntegral",
+    "JumpExtrapolation",
+    "JunctionInitiation",
+    "MaximumHoopStress",
+    "ModeCoefficients",
+    "NewCrack",
+    "Paris",
+    "StressInitiation",
+    "WingCracks",
+]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import logging
 from dataclasses import dataclass
-from math import cos, degrees, pi, sin
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,41 +15,46 @@ from .._ngsxfem_contact import Crack, CrackedMesh
 from ..arguments import check_number, check_whole
 from ..errors import SingularSystem
 from ..files import write_whole
-from ..protocols import GrowthCriterion, GrowthLaw, members
+from ..protocols import CrackInitiation, GrowthCriterion, GrowthLaw, members
 from ..spaces.resolution import warn_of_short_increment
+from .extension import ENDS, ROOM, arrival_of, check_room, extended, tip_number, turned, with_crack
 from .growth_laws import MaximumHoopStress
 from .stress_intensity import is_closed
-from .tip_fields import TipFrame, boundary_segments, distance_along
+from .tip_fields import TipFrame
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ngsolve import Mesh
+    from collections.abc import Callable, Sequence
 
     from ..contact.solution import ContactSolution
-    from ..material import Isotropic
+    from .initiation import NewCrack
 
 logger = logging.getLogger(__name__)
 
-ENDS = ("start", "end")
-GROWS, WAITS = "grows", "waits: it grows less than half an increment"
-ROOM = 2.5  # elements between a new tip and what is next
+GROWS, WAITS, STARTS = "grows", "waits: it grows less than half an increment", "starts"
 
 
 @dataclass
 class TipStep:
-    """One tip in one state of the cracks.
+    """One tip in one state of the cracks, or a crack that starts from it.
 
     Attributes
     ----------
+    crack, name
+        The number of the crack, in the order in which they came, and its name; -1 of one that does not fit.
+    end
+        "start" or "end" of the crack, where its tip is; "new" of one that starts.
+    x, y
+        Of the tip, or where the crack starts.
     length, K_I, K_II, error, driving
         Of this state.
     cycles
         That led to it; 0 at first.
     angle, advance
-        Where the tip goes from here, in degrees from ahead and in length.
+        Where the tip goes from here, in degrees from ahead and in length; of a crack that starts from the direction of x, and its length.
     state
-        "grows", or why it does not.
+        "grows", "starts" with the reason, or why it does not.
+    stress
+        That lets a crack start; nan at tips.
     """
 
     step: int
@@ -66,6 +71,8 @@ class TipStep:
     advance: float = 0.0
     cycles: float = 0.0
     state: str = ""
+    name: str = ""
+    stress: float = float("nan")
 
 
 class CrackGrowth:
@@ -76,20 +83,24 @@ class CrackGrowth:
     make_problem
         Function of a list of cracks that returns the ContactProblem on the one mesh, loads included.
     cracks
-        The first cracks, a list of Crack.
+        The first cracks, a list of Crack; with initiation it may be empty.
     law
         GivenIncrement(da) or Paris(C, m, da).
     criterion
         MaximumHoopStress() or WingCracks(), or an object with grows_closed, Angle and Driving.
     toughness
         Tips with less Driving stay as they are, in stress × √length; default 0.
+    initiation
+        Where further cracks start: StressInitiation(...), JunctionInitiation(...), an object with Starts(solution), or several of them; default nowhere.
+    previous
+        The ContactSolution whose history the faces have at first; default none.
 
     Attributes
     ----------
     cracks
         Those of the last rows.
     rows
-        A TipStep for each tip of each state, at the end of those that cut through.
+        A TipStep for each tip of each state, for those that cut through, and for each crack that starts.
     solutions
         Of the states.
     cycles
@@ -99,31 +110,42 @@ class CrackGrowth:
     -----
     da should be three elements or more, AccuracyWarning says where it is less: behind a turn the tip's functions have room on the new part only. A turn
     that the error of K_II may have made is none: the tip goes straight on, without a kink. A tip that comes within 2.5 elements of ∂Ω, or of another crack, goes on to it
-    and ends there; two tips that meet so become one crack's. Where that leaves a part of the body free to move, the growth ends. Every state is solved from the unloaded body: friction has no memory of the states
-    before.
+    and ends there; two tips that meet so become one crack's. Where that leaves a part of the body free to move, the growth ends.
+
+    A law of the faces that depends on the path (friction, damage) goes on from the state before: slip counts from there, damage stays, new faces have gone through nothing. So the states are load steps,
+    of the load that make_problem gives each. Cracks keep their names; one that starts is called by what it starts from, "fault/1".
     """
 
     def __init__(
-        self, make_problem: Callable[..., Any], cracks: list[Crack], law: GrowthLaw, criterion: GrowthCriterion = MaximumHoopStress(), toughness: float = 0.0
+        self,
+        make_problem: Callable[..., Any],
+        cracks: list[Crack],
+        law: GrowthLaw,
+        criterion: GrowthCriterion = MaximumHoopStress(),
+        toughness: float = 0.0,
+        initiation: CrackInitiation | Sequence[CrackInitiation] = (),
+        previous: ContactSolution | None = None,
     ) -> None:
         check_number(toughness, "CrackGrowth: toughness", lambda toughness: 0 <= toughness < float("inf"), "be a finite number >= 0")
         if not callable(make_problem):
             raise TypeError(f"CrackGrowth: make_problem={make_problem!r} is not a function of a list of cracks that returns a ContactProblem")
-        if not isinstance(cracks, (list, tuple)) or not cracks or not all(isinstance(crack, Crack) for crack in cracks):
-            raise TypeError(f"CrackGrowth: cracks={cracks!r} is not a list of one or more cracks")
-        for name, value, role in (("law", law, GrowthLaw), ("criterion", criterion, GrowthCriterion)):
+        self.initiation = tuple(initiation) if isinstance(initiation, (list, tuple)) else (initiation,)
+        if not isinstance(cracks, (list, tuple)) or not (cracks or self.initiation) or not all(isinstance(crack, Crack) for crack in cracks):
+            raise TypeError(f"CrackGrowth: cracks={cracks!r} is not a list of one or more cracks, or of none with initiation=")
+        roles = [("law", law, GrowthLaw), ("criterion", criterion, GrowthCriterion), *(("initiation", each, CrackInitiation) for each in self.initiation)]
+        for name, value, role in roles:
             if lacks := [member for member in members(role) if not hasattr(value, member)]:
                 raise TypeError(f"CrackGrowth: {name}={value!r} needs {' and '.join(lacks)}")
         self.make_problem, self.cracks, self.law, self.criterion, self.toughness = make_problem, list(cracks), law, criterion, toughness
-        self.solutions, self.rows = [], []
+        self.solutions, self.rows, self.previous = [], [], previous
         self.cycles = 0.0
         self._next = self.cracks, self.cycles  # of the next state
         self._ended, self._owed = {}, {}  # by (crack, end): why a tip stopped for good; advance not yet made
         self._cut = {}  # by (crack, end): where it went through ∂Ω
-        self._warned = False
+        self._warned, self._count = False, 0  # whether of short increments; the number of states so far
 
     def Run(self, steps: int) -> np.ndarray:
-        """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept.
+        """At most so many states, until no tip grows and nothing starts; returns the table. Raises what a solve raises; what was done before is kept.
 
         Parameters
         ----------
@@ -134,7 +156,7 @@ class CrackGrowth:
         check_whole(steps, "CrackGrowth: steps", 0)
         for number in range(steps):
             logger.info("crack growth, step %d of at most %d", number + 1, steps)
-            if not any(row.state == GROWS or row.state == WAITS for row in self.Step()):
+            if not any(row.state in (GROWS, WAITS) or row.state.startswith(STARTS) for row in self.Step()):
                 break
         return self.table
 
@@ -142,7 +164,7 @@ class CrackGrowth:
         """The next state: growth as the last rows say, one solve; returns its TipSteps, one for each tip. A solve that fails raises, what was done is kept."""
         cracks, cycles = self._next
         rows = [
-            TipStep(self._count, crack, end, x, y, cracks[crack].length, cycles=cycles, state=self._ended[crack, end])
+            TipStep(self._count, crack, end, x, y, cracks[crack].length, cycles=cycles, state=self._ended[crack, end], name=cracks[crack].name)
             for (crack, end), (x, y) in self._cut.items()
         ]
         try:
@@ -152,20 +174,17 @@ class CrackGrowth:
                 raise  # otherwise a part of the body is cut off, and free
         self.cracks, self.cycles = cracks, cycles
         self.rows += rows
+        self._count += 1
         return rows
 
-    @property
-    def _count(self) -> int:
-        """The number of states so far."""
-        return self.rows[-1].step + 1 if self.rows else 0
-
     def _solved(self, cracks: list[Crack], cycles: float) -> list[TipStep]:
-        """The rows of the tips of a state; plans the next one."""
+        """The rows of the tips of a state, and of the cracks that start there; plans the next one."""
         problem = self.make_problem(cracks)
         if not hasattr(problem, "Solve"):
             raise TypeError(f"CrackGrowth: make_problem returned {problem!r}; it must return a ContactProblem")
-        solution = problem.Solve()
+        solution = problem.Solve(previous=self._history(problem))
         rows = [self._evaluate(solution, number) for number in range(len(solution.body.tips))]
+        starting = [new for each in self.initiation for new in each.Starts(solution)]
         self._next = cracks, cycles
         growing = [row for row in rows if not row.state]
         if growing:
@@ -173,17 +192,42 @@ class CrackGrowth:
             self._next = cracks, cycles + more
             for row, advance in sorted(zip(growing, advances), key=lambda pair: -pair[0].driving):
                 self._grow(solution, row, float(advance))
+        rows += [self._start(solution, new) for new in starting]
         for row in rows:
             row.cycles = cycles
         self.solutions.append(solution)
         return rows
+
+    def _history(self, problem: Any) -> ContactSolution | None:
+        """Of which the faces remember what they went through."""
+        return (self.solutions[-1] if self.solutions else self.previous) if problem.law.depends_on_path else None
+
+    def _start(self, solution: ContactSolution, new: NewCrack) -> TipStep:
+        """The row of a crack that starts; it is one of the next state, unless it does not fit."""
+        cracks, cycles = self._next
+        names, n = {crack.name for crack in cracks}, 1
+        while (name := f"{new.origin}/{n}") in names:
+            n += 1
+        x, y = new.point
+        row = TipStep(self._count, -1, "new", x, y, 0.0, angle=new.angle, name=name, stress=new.stress)
+        trial = [*cracks, Crack.OfPieces(new.crack.pieces, name)]
+        try:
+            body = CrackedMesh(solution.body.mesh, *trial)
+            for tip in body.tips:
+                if tip.crack == len(cracks):
+                    check_room(body, solution.problem.material, tip.crack, ENDS[int(tip.s > 0)])
+        except Exception as obstacle:  # of the core, as in _grow
+            row.state = f"does not start: {obstacle}"
+        else:
+            self._next, row.crack, row.advance, row.state = (trial, cycles), len(cracks), new.crack.length, f"{STARTS}: {new.reason}"
+        return row
 
     def _evaluate(self, solution: ContactSolution, number: int) -> TipStep:
         """Factors and driving force of a tip; a state if it does not grow."""
         tip = solution.body.tips[number]
         crack, end = key = tip.crack, ENDS[int(tip.s > 0)]
         x, y = tip.point
-        row = TipStep(self._count, crack, end, x, y, solution.body.cracks[crack].length, state=self._ended.get(key, ""))
+        row = TipStep(self._count, crack, end, x, y, solution.body.cracks[crack].length, state=self._ended.get(key, ""), name=solution.body.cracks[crack].name)
         try:
             factors = solution.StressIntensity(number)
         except ValueError as no_room:
@@ -249,15 +293,17 @@ class CrackGrowth:
 
     @property
     def table(self) -> np.ndarray:
-        """A numpy structured array with the fields of TipStep, one row for each state and tip."""
+        """A numpy structured array with the fields of TipStep, one row for each state and tip, and for each crack that starts."""
         types = [(name, "U200" if f.type == "str" else f.type) for name, f in TipStep.__dataclass_fields__.items()]
         return np.array([tuple(vars(row).values()) for row in self.rows], dtype=types)
 
     def __str__(self) -> str:
-        lines = ["step crack end          x         y   length       K_I      K_II   angle  advance     cycles  state"]
-        for r in self.rows:
+        called = [r.name or str(r.crack) for r in self.rows]
+        width = max(map(len, [*called, "crack"]))
+        lines = [f"step {'crack':>{width}} end          x         y   length       K_I      K_II   angle  advance     cycles  state"]
+        for name, r in zip(called, self.rows):
             lines.append(
-                f"{r.step:4} {r.crack:5} {r.end:5} {r.x:9.5f} {r.y:9.5f} {r.length:8.5f} {r.K_I:9.4g} {r.K_II:9.3g} {r.angle:7.2f} {r.advance:8.4g} {r.cycles:10.4g}  {r.state}"
+                f"{r.step:4} {name:>{width}} {r.end:5} {r.x:9.5f} {r.y:9.5f} {r.length:8.5f} {r.K_I:9.4g} {r.K_II:9.3g} {r.angle:7.2f} {r.advance:8.4g} {r.cycles:10.4g}  {r.state}"
             )
         return "\n".join(lines)
 
@@ -298,66 +344,3 @@ class CrackGrowth:
             for i in range(len(self.solutions))
         ]
         return animate(self.solutions, path, titles, scale, seconds)
-
-
-def arrival_of(
-    mesh: Mesh, cracks: list[Crack], number: int, point: np.ndarray, direction: np.ndarray, advance: float, room: float
-) -> tuple[np.ndarray, str] | None:
-    """(where, what it does) of a crack that grows from a point: it meets ∂Ω or another crack within the advance and the room behind it, or comes so near to one.
-
-    None if there is room for a tip.
-    """
-    outlines = {c: np.array(crack.Outline(0.01)) for c, crack in enumerate(cracks) if c != number}
-    ways = [(distance_along(line[:-1], line[1:], point, direction), f"has joined crack {c}: it reached it") for c, line in outlines.items()]
-    way, what = min([(distance_along(*boundary_segments(mesh), point, direction), "has cut the body: it reached the boundary"), *ways])
-    if way <= advance + room:
-        return point + way * direction, what
-    tip = point + advance * direction
-    nearest = [(cracks[c].Distance(tuple(tip)), c) for c in outlines]
-    distance, other = min(nearest, default=(np.inf, -1))
-    if distance > room:
-        return None
-    goal = np.array(cracks[other].PointAt(cracks[other].ArcLength(tuple(tip))))
-    ahead = (goal - point) @ direction > 0.5 * np.linalg.norm(goal - point)
-    return (goal, f"has joined crack {other}: it came near") if ahead else None
-
-
-def turned(frame: TipFrame, angle: float) -> np.ndarray:
-    """The direction at an angle in degrees from ahead of a tip."""
-    ahead, turn = np.array(frame.tip.ahead), angle * pi / 180
-    return cos(turn) * ahead + sin(turn) * np.array([-ahead[1], ahead[0]])
-
-
-def with_crack(cracks: list[Crack], number: int, crack: Crack) -> list[Crack]:
-    """The list with one crack replaced."""
-    return [crack if i == number else other for i, other in enumerate(cracks)]
-
-
-def extended(crack: Crack, end: str, tip: tuple[float, float]) -> Crack:
-    """The crack with a straight new part from its start or end up to a tip; a last straight piece in the same direction is prolonged."""
-    old, pieces = crack.points[0 if end == "start" else -1], crack.pieces
-    kind, points = pieces[0 if end == "start" else -1]
-    if kind == "segment":
-        before = points[1 if end == "start" else 0]
-        (a, b), (c, d) = np.subtract(old, before), np.subtract(tip, old)
-        if a * c + b * d > 0 and abs(a * d - b * c) <= 1e-12 * np.hypot(a, b) * np.hypot(c, d):
-            old, pieces = before, pieces[1:] if end == "start" else pieces[:-1]
-    new = [("segment", [tip, old] if end == "start" else [old, tip])]
-    return Crack.OfPieces(new + pieces if end == "start" else pieces + new)
-
-
-def tip_number(body: CrackedMesh, crack: int, end: str) -> int:
-    """The place of a crack's end in body.tips. Raises ValueError if it is none."""
-    for number, tip in enumerate(body.tips):
-        if (tip.crack, ENDS[int(tip.s > 0)]) == (crack, end):
-            return number
-    raise ValueError(f"the {end} of crack {crack} would lie on the boundary")
-
-
-def check_room(body: CrackedMesh, material: Isotropic, crack: int, end: str) -> None:
-    """Raises ValueError unless this end of the crack is a tip with more than ROOM elements around it."""
-    number = tip_number(body, crack, end)
-    frame = TipFrame(body, number)
-    room, limit = frame.Clearance(material)
-    if room <= ROOM * frame.h:
-        raise ValueError(f"the new tip {body.tips[number].point} would be {room:.4g} from {limit}, less than {ROOM} elements (h = {frame.h:.4g})")

@@ -318,9 +318,11 @@ def before_tip(solution: ContactSolution, frame: TipFrame, function: Coefficient
 
 
 def is_closed(solution: ContactSolution, tip: int) -> bool:
-    """Whether the faces press on each other over most of the last element before a tip."""
-    pressure = before_tip(solution, TipFrame(solution.body, tip), solution.multiplier)
-    return bool(np.median(pressure) < -1e-10 * np.abs(solution.multiplier.vec.FV().NumPy()).max())
+    """Whether the faces press on each other over most of the last element before a tip, by more than round-off of the pressures and of what the jumps stand for."""
+    frame, history = TipFrame(solution.body, tip), solution.state.history
+    jump = 0.0 if history is None else np.abs(history.jump).max(initial=0)
+    size = max(np.abs(solution.Multipliers()).max(initial=0), material_at(solution, tip).E_prime * jump / frame.crack.length)
+    return bool(np.median(before_tip(solution, frame, solution.multiplier)) < -1e-10 * size)
 
 
 def constant_at_tip(solution: ContactSolution, frame: TipFrame, material: Isotropic) -> tuple[float, float]:

@@ -139,6 +139,8 @@ MATERIALS: dict[str | None, Callable[..., Elasticity]] = {None: Elasticity, "pla
 
 # Cracks
 
+NAME: dict[str, Kind] = {"name": text}  # of a key that all shapes have
+
 
 def crack_of(table: Table, mesh: Mesh) -> Crack:
     """The Crack of a table."""
@@ -149,38 +151,44 @@ def crack_of(table: Table, mesh: Mesh) -> Crack:
 
 def polyline(table: Table, mesh: Mesh) -> Crack:
     """Crack([...])."""
-    return Crack(pairs(table.Take({"polyline": points})["polyline"]))
+    return Crack(pairs(table.Take({"polyline": points} | NAME)["polyline"]), name_of(table))
 
 
 def arc(table: Table, mesh: Mesh) -> Crack:
     """Crack.Arc."""
-    return Crack.Arc(*pairs(table.Take({"arc": array(point, "three points: start, a point between, end", 3, 3)})["arc"]))
+    start, through, end = pairs(table.Take({"arc": array(point, "three points: start, a point between, end", 3, 3)} | NAME)["arc"])
+    return Crack.Arc(start, through, end, name_of(table))
 
 
 def spline(table: Table, mesh: Mesh) -> Crack:
     """Crack.Spline."""
-    values = table.Take({"spline": points, "ends": text})
+    values = table.Take({"spline": points, "ends": text} | NAME)
     return Crack.Spline(pairs(values.pop("spline")), **values)
 
 
 def curve(table: Table, mesh: Mesh) -> Crack:
     """Crack.Curve, of two formulas in t."""
     two = array(text, "two formulas in t in quotes", 2, 2)
-    values = table.Take({"curve": two, "t": array(number, "two numbers [t0, t1]", 2, 2), "tolerance": number, "max_pieces": whole}, ["curve", "t"])
+    values = table.Take({"curve": two, "t": array(number, "two numbers [t0, t1]", 2, 2), "tolerance": number, "max_pieces": whole} | NAME, ["curve", "t"])
     coordinates, (t0, t1) = values.pop("curve"), values.pop("t")
     return Crack.Curve(lambda t: tuple(evaluated(text, {"t": t}) for text in coordinates), t0, t1, **values)
 
 
 def level_set(table: Table, mesh: Mesh) -> Crack:
     """Crack.LevelSet."""
-    values = table.Take({"level_set": formula, "psi": formula, "tolerance": number, "max_points": whole})
+    values = table.Take({"level_set": formula, "psi": formula, "tolerance": number, "max_points": whole} | NAME)
     return Crack.LevelSet(mesh, values.pop("level_set"), **values)
 
 
 def join(table: Table, mesh: Mesh) -> Crack:
     """Crack.Join of cracks that are written as in [[crack]]."""
-    parts = table.Take({"join": tables})["join"]
-    return Crack.Join(*(crack_of(type(table)(part, f"{table.name}, join {i + 1}", table.file), mesh) for i, part in enumerate(parts)))
+    parts = table.Take({"join": tables} | NAME)["join"]
+    return Crack.Join(*(crack_of(type(table)(part, f"{table.name}, join {i + 1}", table.file), mesh) for i, part in enumerate(parts)), name=name_of(table))
+
+
+def name_of(table: Table) -> str:
+    """That of a crack, empty if it has none."""
+    return table.Convert("name", text) if "name" in table.values else ""
 
 
 def pairs(rows: Any) -> list[tuple[float, float]]:

@@ -8,20 +8,21 @@ import numpy as np
 from ngsolve import CF, CoefficientFunction, specialcf
 
 from ..algebra import FixedPoint, FullNewton
-from ..arguments import INFINITY, check_item
+from ..arguments import INFINITY, crack_number, crack_title
 from ..contact.cones import CONES
 from ..contact.friction import Coulomb, Tresca
 from ..contact.laws import BartonBandis, Dugdale, ExponentialCohesive, Joint, LinearCohesive, MohrCoulomb
 from ..contact.nitsche import Nitsche
 from ..contact.stabilisation import BarbosaHughes, BothSides
 from ..operators import Jump
-from .table import array, boolean, choice, formula, number, point, subtable, text, two_formulas, vector, whole
+from .table import array, boolean, choice, formula, number, point, subtable, text, two_formulas, vector, which, whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from ngsolve import Mesh
 
+    from .._ngsxfem_contact import CrackedMesh
     from ..contact.problem import ContactProblem
     from ..material import Coefficient
     from ..protocols import FaceLaw, Stabilisation
@@ -53,17 +54,20 @@ def stabilisation_of(table: Table) -> Stabilisation | None:
 METHODS: Choices = {"FullNewton": (FullNewton, {}), "FixedPoint": (FixedPoint, {"tolerance": number, "max_iterations": whole})}
 
 
-def laws_of(tables: list[Table], cracks: int) -> dict[int, FaceLaw] | FaceLaw | None:
+def laws_of(tables: list[Table], body: CrackedMesh) -> dict[int, FaceLaw] | FaceLaw | None:
     """The law of the faces from all [[law]]: of each crack its own where tables name cracks."""
     laws: dict[int | None, FaceLaw] = {}
     for table in tables:
-        crack = table.Convert("crack", whole) if "crack" in table.values else None
+        crack = None
+        if "crack" in table.values:
+            with table.Blamed():
+                crack = crack_number(table.Convert("crack", which), body)
         if crack in laws:
-            table.Refuse("another table gives " + ("the law of all cracks" if crack is None else f"the law of crack {crack}"), "crack")
+            table.Refuse("another table gives " + ("the law of all cracks" if crack is None else f"the law of {crack_title(body.cracks, crack)}"), "crack")
         laws[crack] = law_of(table)
     if set(laws) <= {None}:
         return laws.get(None)
-    everywhere = dict.fromkeys(range(cracks), laws[None]) if None in laws else {}
+    everywhere = dict.fromkeys(range(len(body.cracks)), laws[None]) if None in laws else {}
     return everywhere | {crack: law for crack, law in laws.items() if crack is not None}
 
 
@@ -83,7 +87,7 @@ def law_of(table: Table) -> FaceLaw:
         "ExponentialCohesive": (ExponentialCohesive, {"strength": formula, "G_c": formula, "beta": formula}),
         "Dugdale": (Dugdale, {"strength": formula, "beta": formula}),
     }
-    return chosen(table, "name", laws, {"crack": whole})
+    return chosen(table, "name", laws, {"crack": which})
 
 
 def stiffness(value: Any) -> Coefficient:
@@ -157,13 +161,13 @@ def point_force(table: Table, problem: ContactProblem) -> None:
 
 def face_pressure(table: Table, problem: ContactProblem) -> None:
     """ContactProblem.FacePressure."""
-    values = table.Take({"face_pressure": formula, "crack": whole, "bonus_intorder": whole})
+    values = table.Take({"face_pressure": formula, "crack": which, "bonus_intorder": whole})
     problem.FacePressure(values.pop("face_pressure"), **values)
 
 
 def face_traction(table: Table, problem: ContactProblem) -> None:
     """ContactProblem.FaceTraction."""
-    values = table.Take({"face_traction": subtable, "crack": whole, "bonus_intorder": whole})
+    values = table.Take({"face_traction": subtable, "crack": which, "bonus_intorder": whole})
     inner = type(table)(values.pop("face_traction"), f"{table.name}, face_traction", table.file)
     sides = inner.Take({"plus": two_formulas, "minus": two_formulas})
     if not sides:
@@ -279,9 +283,9 @@ def _add_springs(problem: ContactProblem, stiffness: Any, measure: Any) -> None:
 
 def joint(table: Table, problem: ContactProblem) -> None:
     """An elastic joint on one crack or on all."""
-    values = table.Take({"joint": formula, "crack": whole, "bonus_intorder": whole})
+    values = table.Take({"joint": formula, "crack": which, "bonus_intorder": whole})
     if "crack" in values:
-        check_item(values["crack"], problem.body.cracks, "crack", "the part")
+        values["crack"] = crack_number(values["crack"], problem.body)
     u, v = problem.V.TnT()
     stiffness = values.pop("joint")
     if not_zero(stiffness):

@@ -115,7 +115,7 @@ def problem_of(one: dict[str, Table], many: dict[str, list[Table]], values: dict
     options = conditions.contact_options(one["contact"]) | conditions.initial_options(one["initial"])
     if "stabilisation" in values:
         options["stabilisation"] = conditions.stabilisation_of(one["stabilisation"])
-    options["law"] = conditions.laws_of(many["law"], len(cracks))
+    options["law"] = conditions.laws_of(many["law"], cracked)
     with Table({}, "[contact], [initial], [[law]]", one["mesh"].file).Blamed():
         problem = ContactProblem(V, W, **options)
     for table in many["load"]:

@@ -43,6 +43,7 @@ def numbers_of_step(solution: ContactSolution) -> dict[str, Any]:
         "face_energy": solution.FaceEnergy(),
         "cracks": [
             {
+                "name": solution.body.cracks[crack].name,
                 "contact_force": solution.ContactForce(crack),
                 "tangential_force": solution.TangentialForce(crack),
                 "transitions": solution.Transitions(crack).tolist(),
@@ -117,7 +118,7 @@ def rows(step: dict[str, Any], reference: dict[str, Any]) -> Iterator[tuple[str,
     """(name, computed, reference or None)."""
     yield "energy ½a(u,u)", step["energy"], reference.get("energy")
     for number, crack in enumerate(step["cracks"]):
-        where = f", crack {number}" if len(step["cracks"]) > 1 else ""
+        where = f", {crack['name'] or f'crack {number}'}" if len(step["cracks"]) > 1 else ""
         yield f"contact force ∫λ{where}", crack["contact_force"], entry(reference, "contact_force", number)
         if crack["tangential_force"]:
             yield f"tangential force ∫λ_t{where}", crack["tangential_force"], None
@@ -170,9 +171,9 @@ def write_profiles(path: Path, part: Part, solutions: list[ContactSolution]) -> 
         writer = csv.writer(file)
         writer.writerow(["factor", "crack", *(field.name for field in fields(CrackProfile))])
         for factor, solution in zip(part.factors or [1], solutions, strict=True):
-            for crack in range(len(solution.body.cracks)):
-                profile = solution.Profile(crack, **options)
-                writer.writerows([factor, crack, *row] for row in zip(*(getattr(profile, field.name).tolist() for field in fields(profile))))
+            for number, crack in enumerate(solution.body.cracks):
+                profile = solution.Profile(number, **options)
+                writer.writerows([factor, crack.name or number, *row] for row in zip(*(getattr(profile, field.name).tolist() for field in fields(profile))))
 
 
 def write_pictures(solution: ContactSolution, folder: Path) -> Iterator[Any]:

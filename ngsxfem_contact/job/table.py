@@ -107,6 +107,13 @@ def whole(value: Any) -> int:
     return value
 
 
+def which(value: Any) -> int | str:
+    """A crack, by its number or its name."""
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise Wrong("the number of a crack, or its name in quotes")
+    return value
+
+
 def boolean(value: Any) -> bool:
     """true or false."""
     if not isinstance(value, bool):

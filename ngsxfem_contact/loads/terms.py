@@ -11,7 +11,7 @@ from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import mask
-from ..points import crack_points
+from ..points import crack_points, mesh_points
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -189,11 +189,10 @@ def sample_points(term: FormTerm, number: int = 12) -> np.ndarray:
         return crack_points(term.body, crack, (np.arange(number) + 0.37) / number * length)
     chosen = np.flatnonzero(elements_of(term))
     chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, number).astype(int))] if len(chosen) else chosen
-    x, y = np.full(len(chosen), 0.3), np.full(len(chosen), 0.0 if place == "boundary" else 0.4)
-    points = (
-        mesh(np.full(len(chosen), 0.5), np.zeros(len(chosen)), VOL_or_BND=BND) if place == "boundary" else crack_points(term.body, 0, np.zeros(len(chosen)))
-    )
-    points["nr"], points["x"], points["y"] = chosen, x, y
+    if place != "boundary":
+        return mesh_points(mesh, chosen, np.full(len(chosen), 0.3), np.full(len(chosen), 0.4))
+    points = mesh(np.full(len(chosen), 0.5), np.zeros(len(chosen)), VOL_or_BND=BND)
+    points["nr"], points["x"], points["y"] = chosen, 0.3, 0.0
     return points
 
 

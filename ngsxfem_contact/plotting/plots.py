@@ -135,7 +135,7 @@ PROFILES = {
 }
 
 
-def plot_profile(solution: ContactSolution, crack: int = 0, ax: Any = None, quantities: Sequence[str] = ("pressure", "gap")) -> list[Any]:
+def plot_profile(solution: ContactSolution, crack: int | str = 0, ax: Any = None, quantities: Sequence[str] = ("pressure", "gap")) -> list[Any]:
     """Quantities along a crack, the contact zone shaded.
 
     Parameters

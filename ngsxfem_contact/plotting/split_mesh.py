@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import BND, CF, H1, VOL, Discontinuous, GridFunction, Mesh, x, y
+from ngsolve import BND, CF, H1, Discontinuous, GridFunction, Mesh, x, y
 
 from ..algebra.matrices import mask
-from ..points import mesh_arrays
+from ..points import mesh_arrays, mesh_points
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,9 +55,9 @@ class SplitMesh:
 
     def __init__(self, body: CrackedMesh, subdivision: int = 0) -> None:
         self.body, self._mesh = body, None
-        tolerance = 1e-9 * min(location.h for c in range(len(body.cracks)) for location in body.Elements(c))
+        tolerance = 1e-9 * min((location.h for c in range(len(body.cracks)) for location in body.Elements(c)), default=0.0)
         points, triangles, parent = conforming_triangles(body, tolerance)
-        carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))]).T
+        carried = np.array([mask(body.CrackElements(c)) for c in range(len(body.cracks))], dtype=bool).reshape(-1, body.mesh.ne).T
         for _ in range(subdivision):
             places = self._Places(points, triangles, parent)
             edge, _, crack_of, _ = crack_edges(body.cracks, places, triangles, carried[parent], tolerance)
@@ -113,10 +113,7 @@ class SplitMesh:
 
     def _At(self, cf: CoefficientFunction, elements: BitArray, reference: np.ndarray) -> np.ndarray:
         """Values (n, dim) at reference coordinates (n,2) in elements (n,)."""
-        mesh = self.body.mesh
-        inside = np.mean([mesh[v].point for v in next(iter(mesh.Elements(VOL))).vertices], axis=0)
-        places = np.repeat(mesh(*inside[:, None]), len(elements))
-        places["nr"], places["x"], places["y"] = elements, reference[:, 0], reference[:, 1]
+        places = mesh_points(self.body.mesh, elements, *reference.T)
         return np.reshape(cf(places), (len(elements), cf.dim)) if len(elements) else np.zeros((0, cf.dim))
 
     def Evaluate(self, plus: CoefficientFunction, minus: CoefficientFunction, middle: CoefficientFunction) -> np.ndarray:
@@ -162,7 +159,7 @@ def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarra
     parts = [(int(element), part) for element in np.flatnonzero(cut) for part in body.Parts(int(element))]
     flat_parts = [(t, element) for element, part in parts for t in flat(part)]
     corners = np.array([triangle for triangle, _ in flat_parts]).reshape(-1, 2)
-    bends = np.concatenate([in_triangles(body, c, [0, *crack.kinks, crack.length]) for c, crack in enumerate(body.cracks)])
+    bends = np.concatenate([np.zeros((0, 2)), *(in_triangles(body, c, [0, *crack.kinks, crack.length]) for c, crack in enumerate(body.cracks))])
     points, number = merged(np.concatenate([vertices, corners, bends]), tolerance)
     new = number[len(vertices) :]
     triangles = np.concatenate([number[elements[uncut]], new[: len(corners)].reshape(-1, 3)])

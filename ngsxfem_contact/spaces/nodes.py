@@ -8,6 +8,7 @@ import numpy as np
 from ngsolve import CoefficientFunction
 
 from .. import _ngsxfem_contact as core
+from ..arguments import crack_title
 from ..points import crack_points
 
 
@@ -40,4 +41,4 @@ class CurveNodes(core.CurveNodes):
 
     def Place(self, i: int) -> str:
         """Its arc length."""
-        return f"arc length {self.arclengths[i]:.6g} of crack {self.cracks[i]}"
+        return f"arc length {self.arclengths[i]:.6g} of {crack_title(self.body.cracks, int(self.cracks[i]))}"

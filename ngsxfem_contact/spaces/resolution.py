@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..arguments import crack_title
 from ..errors import warn
 from ..points import place
 from .tip_disk import largest_disk
@@ -46,7 +47,7 @@ def warn_of_short_crack(body: CrackedMesh, number: int) -> bool:
     if crack.length >= least * size:
         return False
     warn(
-        f"crack {number} at {place(crack.PointAt(0.5 * crack.length))} is {crack.length:.3g} long, {crack.length / size:.1f} elements: with less than {least} "
+        f"{crack_title(body.cracks, number)} at {place(crack.PointAt(0.5 * crack.length))} is {crack.length:.3g} long, {crack.length / size:.1f} elements: with less than {least} "
         f"it opens too little, by up to 85 %; refine to h <= {crack.length / least:.2g} there"
     )
     return True

@@ -123,7 +123,7 @@ def redundant_functions(body: CrackedMesh, order: int, nodes: list[list[float]],
     """
     mass = mass_matrix(core.TraceSpace(body, core.MeshTraceBasis(body, order, nodes, set()), order))
     diagonal = mass.diagonal()
-    traced = np.flatnonzero(diagonal > 1e-14 * diagonal.max())
+    traced = np.flatnonzero(diagonal > 1e-14 * diagonal.max(initial=0))
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1))
     mass = (mass.multiply(scale).T.multiply(scale)).tocsr()
     kept = []
@@ -134,11 +134,12 @@ def redundant_functions(body: CrackedMesh, order: int, nodes: list[list[float]],
         projection = np.linalg.lstsq(block, coupling, rcond=tolerance)[0] if len(overlapping) else np.zeros(0)
         if 1 - coupling @ projection > tolerance:
             kept.append(i)
-    while True:
+    while kept:
         value, vector = smallest_eigenpair(mass[kept][:, kept])
         if value > tolerance:
-            return set(range(mass.shape[0])) - set(kept)
+            break
         kept.pop(int(np.argmax(np.abs(vector))))
+    return set(range(mass.shape[0])) - set(kept)
 
 
 def smallest_eigenpair(matrix: csr_matrix) -> tuple[float, np.ndarray]:

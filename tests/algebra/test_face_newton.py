@@ -5,16 +5,10 @@ from dataclasses import fields, is_dataclass, replace
 import numpy as np
 import pytest
 
+from ngsxfem_contact.algebra.closures import HyperbolicClosure, LinearClosure
 from ngsxfem_contact.algebra.compliance import Compliance
 from ngsxfem_contact.algebra.face_newton import FaceProblem, Stuck, continued, newton, solve_faces
-from ngsxfem_contact.algebra.face_relations import (
-    CohesiveRelation,
-    DividedRelation,
-    ElasticRelation,
-    HyperbolicClosure,
-    LinearClosure,
-    SlidingRelation,
-)  # fmt: skip
+from ngsxfem_contact.algebra.face_relations import CohesiveRelation, DividedRelation, ElasticRelation, SlidingRelation  # fmt: skip
 from ngsxfem_contact.algebra.nodal_methods import FullNewton
 from ngsxfem_contact.algebra.nodal_newton import Threshold, first_states
 from ngsxfem_contact.algebra.softening import ExponentialSoftening, LinearSoftening

@@ -82,11 +82,6 @@ def test_meshes_that_are_not_plane_triangles(mesh, message):
         CrackedMesh(mesh, Crack([(0, 0.4), (0.5, 0.4)]))
 
 
-def test_no_crack_at_all():
-    with refused("at least one crack"):
-        CrackedMesh(MESH)
-
-
 CALLS = ["body.Ends(5)", "body.Elements(5)", "body.CutBoundaryElements(5)", "body.MeshNodes(5, True)", "body.OnCrack(5, [0.1])",
          "body.CrackElements(5)", "body.dcrack(crack=5)", "V.Heaviside(10**6)", "V.HeavisideDof(10**6, 0)", "V.HeavisideDof(0, 2)",
          "V.TipDofs(5)", "body.OnCrack(0, [nan])", "body.OnCrack(0, [9.])"]  # fmt: skip

@@ -552,8 +552,8 @@ def test_other_objects_are_refused():
         coarse(law=0.3)
     with pytest.raises(TypeError, match="neither FullNewton"):
         Coulomb(0.3, method="newton")
-    with pytest.raises(ValueError, match="other spaces"):
-        coarse(law=Coulomb(0.3)).Solve(previous=coarse(law=Coulomb(0.3)).Solve())
+    with pytest.raises(ValueError, match="another number of multipliers"):
+        coarse(law=Coulomb(0.3)).Solve(previous=coarse(law=None).Solve())
 
 
 def test_too_few_iterations_raise():

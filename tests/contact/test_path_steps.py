@@ -8,25 +8,25 @@ from netgen.meshing import MeshingParameters
 from ngsolve import CF, IfPos, Mesh, x, y
 from test_laws import HEIGHT, E, column, softening
 
-from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, TraceSpace
 from ngsxfem_contact.contact import ExponentialCohesive, Joint, LinearCohesive, LoadCase, MohrCoulomb, PathSteps
 from ngsxfem_contact.errors import NotConverged
 
 G_C = 0.05  # at strength 1; H/E is 4 times what the softening could follow without a snap-back
 
 
-def snapping(law):
+def snapping(law, **options):
     """u_y = t above."""
-    problem = column(law, order=2)
+    problem = column(law, order=2, **options)
     problem.SetDirichlet((0, 1), "top")
     return PathSteps(problem)
 
 
-@pytest.mark.parametrize("kind", [LinearCohesive, ExponentialCohesive])
-def test_a_column_that_snaps_back(kind):
+@pytest.mark.parametrize("kind, method", [(LinearCohesive, BarbosaHughes()), (ExponentialCohesive, BarbosaHughes()), (ExponentialCohesive, Nitsche(-1))])
+def test_a_column_that_snaps_back(kind, method):
     """Every point on u = f(d) H/E + d, while t falls and rises again; what is dissipated belongs to the opening."""
     f, integral = softening(kind, 1.0, G_C)
-    steps, curve, lost = snapping(kind(1.0, G_C)), [], 0.0
+    steps, curve, lost = snapping(kind(1.0, G_C), stabilisation=method), [], 0.0
     for _ in range(40):
         solution = steps.Solve(0.02)
         profile = solution.Profile(n=5)
@@ -94,12 +94,13 @@ def test_a_notched_beam_in_bending():
     assert 0.5 < broken and lost < 4e-4 * 0.77
 
 
-def test_a_block_that_slides_under_a_fixed_pressure():
+@pytest.mark.parametrize("law, cohesion", [(MohrCoulomb(0.3, 0.2), 0.2), (Coulomb(0.3), 0.0)])
+def test_a_block_that_slides_under_a_fixed_pressure(law, cohesion):
     """The shear grows to c + μ p and stays; t is the way that the top has gone then."""
-    p, limit = 2.0, 0.2 + 0.3 * 2.0
+    p, limit = 2.0, cohesion + 0.3 * 2.0
     body = CrackedMesh(rectangle(0.3), Crack([(0, 0.52), (1, 0.52)]))
     V = CrackFESpace(body, order=2, dirichletx="bottom|top", dirichlety="bottom|top|left|right")
-    problem = ContactProblem(V, TraceSpace(body, order=1), Elasticity.PlaneStrain(E=E, nu=0), law=MohrCoulomb(0.3, 0.2))
+    problem = ContactProblem(V, TraceSpace(body, order=1), Elasticity.PlaneStrain(E=E, nu=0), law=law)
     problem.SetDirichlet(CF((0, -p / E * y)), "bottom|top")
     problem.SetDirichlet((None, -p / E * y), "left|right")
     fixed = LoadCase(problem)
@@ -129,9 +130,26 @@ def test_a_fixed_load_beside():
         assert steps.t == pytest.approx((k * profile.gap[1] - p) * HEIGHT / E + profile.gap[1], abs=1e-13)
 
 
+def test_a_path_goes_on_from_damage():
+    """Damaged by steps, then along the path on spaces made anew: by the secant to the largest opening so far, and on the softening branch after it."""
+    law = ExponentialCohesive(1.0, G_C)
+    f, _ = softening(ExponentialCohesive, 1.0, G_C)
+    before = snapping(law)
+    damaged = [before.Solve(0.02) for _ in range(8)][-1]
+    largest = damaged.Profile(n=5).gap[2]
+    steps, seen = PathSteps(snapping(law).reduced.problem, previous=damaged), set()
+    for _ in range(10):
+        profile = steps.Solve(0.25 * largest).Profile(n=5)
+        gap, stress = profile.gap[2], profile.sigma_n[2]
+        seen.add(bool(gap > largest))
+        assert stress == pytest.approx(f(max(gap, largest)) * min(gap / largest, 1), abs=1e-11)
+        assert steps.t == pytest.approx(stress * HEIGHT / E + gap, abs=1e-12)
+    assert largest > 0.02 and seen == {False, True}
+
+
 def test_what_is_refused():
-    with pytest.raises(TypeError, match="PathSteps: the law Coulomb.* does not hold node by node; take MohrCoulomb"):
-        snapping(Coulomb(0.3))
+    with pytest.raises(TypeError, match="PathSteps: faces that only touch, Frictionless.*, hold nothing that could give way; take friction"):
+        snapping(None)
     with pytest.raises(ValueError, match="PathSteps: step=0 must be positive"):
         snapping(LinearCohesive(1.0, G_C)).Solve(0)
     steps = snapping(ExponentialCohesive(1.0, G_C))

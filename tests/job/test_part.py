@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import rectangle
 from netgen.geom2d import SplineGeometry
 from netgen.occ import OCCGeometry, WorkPlane
 from ngsolve import CF, Integrate, Mesh, dx, specialcf, x, y
@@ -20,6 +21,7 @@ from ngsxfem_contact.job.body import crack_of
 from ngsxfem_contact.job.conditions import law_of, laws_of, stabilisation_of
 from ngsxfem_contact.job.gmsh import read_gmsh
 from ngsxfem_contact.job.part import EXAMPLE, read_part
+from ngsxfem_contact.job.results import numbers_of, summary, write_profiles
 from ngsxfem_contact.job.table import RefusedPart, Table
 from ngsxfem_contact.material import Elasticity
 from ngsxfem_contact.operators import Jump
@@ -277,13 +279,61 @@ def test_laws_of_the_faces():
 def test_laws_by_crack():
     """One for all, one for some, and what is left."""
     joint, rough = {"name": "Joint", "k_n": 3, "k_t": 2}, {"name": "Coulomb", "mu_f": 0.3}
-    made = lambda *tables: laws_of([table(values) for values in tables], 3)
+    body = CrackedMesh(rectangle(0.5), *(Crack([(0, y), (1, y)], name) for y, name in ((0.3, ""), (0.5, "fault"), (0.8, ""))))
+    made = lambda *tables: laws_of([table(values) for values in tables], body)
     assert made() is None and made(rough) == Coulomb(0.3)
-    assert made(rough | {"crack": 1}) == {1: Coulomb(0.3)}
+    assert made(rough | {"crack": 1}) == {1: Coulomb(0.3)} == made(rough | {"crack": "fault"})
     assert made(joint, rough | {"crack": 1}) == {0: Joint(3, 2), 1: Coulomb(0.3), 2: Joint(3, 2)}
-    for twice in ((joint, rough), (joint | {"crack": 1}, rough | {"crack": 1})):
+    for twice in ((joint, rough), (joint | {"crack": 1}, rough | {"crack": 1}), (joint | {"crack": 1}, rough | {"crack": "fault"})):
         with pytest.raises(RefusedPart, match="crack: another table gives the law of"):
             made(*twice)
+
+
+def test_names_of_cracks(tmp_path):
+    """In laws, loads and joints; the results call the crack so."""
+    text = """
+[mesh]
+rectangle = [[0, 0], [1, 1]]
+maxh = 0.2
+[[material]]
+E = 100
+nu = 0.3
+form = "plane strain"
+[[crack]]
+arc = [[0, 0.7], [0.5, 0.75], [1, 0.7]]
+[[crack]]
+polyline = [[0, 0.3], [1, 0.3]]
+name = "fault"
+[[law]]
+name = "Joint"
+k_n = 3
+k_t = 2
+[[law]]
+name = "Coulomb"
+mu_f = 0.3
+crack = KEY
+[[load]]
+face_pressure = 0.1
+crack = KEY
+[[support]]
+joint = 2
+crack = KEY
+[[support]]
+boundary = "bottom|top"
+x = 0
+y = 0
+"""
+    named, numbered = (part_of(tmp_path, text.replace("KEY", key)) for key in ('"fault"', "1"))
+    (one,), (other,) = named.Solve(), numbered.Solve()
+    same(one, other)
+    write_profiles(tmp_path / "profile.csv", named, [one])
+    assert {line.split(",")[1] for line in (tmp_path / "profile.csv").read_text().splitlines()[1:]} == {"0", "fault"}
+    numbers = numbers_of(named, [one])
+    assert [crack["name"] for crack in numbers["steps"][0]["cracks"]] == ["", "fault"] and "contact force ∫λ, fault" in summary(numbers, [one])
+    with pytest.raises(RefusedPart, match="no crack is named 'valt'; there is 'fault'"):
+        part_of(tmp_path, text.replace("KEY", '"valt"'))
+    with pytest.raises(RefusedPart, match="must be the number of a crack, or its name in quotes"):
+        part_of(tmp_path, text.replace("KEY", "1.5"))
 
 
 SPACES = """

@@ -262,7 +262,7 @@ def test_the_guide_runs(capsys):
 
     names["make_problem"] = make_problem
     blocks = code_of("guide.md")
-    assert len(blocks) == 11
+    assert len(blocks) == 12
     for block in blocks:
         if "material=rock" in block or "law=" in block or "stabilisation=" in block:
             own = dict(names)
