@@ -21,7 +21,7 @@ from .spaces import CrackFESpace, TipEnrichment, TraceSpace
 from . import plotting  # noqa: F401
 from .fracture import CrackGrowth, GivenIncrement, Paris
 from . import loads  # noqa: F401
-from .contact import BarbosaHughes, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca
+from .contact import BarbosaHughes, ContactProblem, ContactSolution, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca
 from . import exact  # noqa: F401
 from . import job  # noqa: F401
 
@@ -31,7 +31,7 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())
 __all__ = [
     "Crack", "CrackedMesh", "CrackFESpace", "TipEnrichment", "TraceSpace", "Elasticity",  # body, spaces, material
     "Plus", "Minus", "Jump", "Strain", "NormalGap", "Slip", "Variation",  # operators
-    "ContactProblem", "BarbosaHughes", "Nitsche", "Coulomb", "Tresca", "LoadCase", "LoadSteps",  # the problem
+    "ContactProblem", "ContactSolution", "BarbosaHughes", "Nitsche", "Coulomb", "Tresca", "LoadCase", "LoadSteps",  # the problem
     "CrackGrowth", "GivenIncrement", "Paris", "SolveError",  # growth and refusals
 ]  # fmt: skip
 

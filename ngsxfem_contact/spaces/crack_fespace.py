@@ -191,6 +191,14 @@ class CrackFESpace(core.CrackFESpace):
         warn_of_undecided(body, self.undecided)
         warn_of_coarse(body, specs, material)
 
+    def __getstate__(self) -> Any:
+        return super().__getstate__(), self.material, self.undecided
+
+    def __setstate__(self, state: Any) -> None:
+        of_core, material, undecided = state
+        super().__setstate__(of_core)
+        self.material, self.undecided = material, undecided
+
 
 def tip_enrichments(tip: Any, body: CrackedMesh, material: Isotropic | None) -> list[TipFunctions | None]:
     """One for each tip, those that are undecided with the modes of the material."""

@@ -85,6 +85,9 @@ class TraceNodes(CurveNodes):
         if W.ndof != len(self):
             raise ValueError(f"TraceSpace: {W.ndof} independent traces for {len(self)} nodes, so nodal signs do not fit; use basis='nodal'")
 
+    def __reduce__(self) -> Any:
+        return TraceNodes, (self.W,)
+
     @cached_property
     def functions(self) -> np.ndarray:
         """The identity for nodal functions, and for others the inverse of their values at the nodes."""
