@@ -26,6 +26,7 @@ __all__: list[str] = [
     "ElementKind",
     "ElementLocation",
     "ElementMatrices",
+    "ElementOrder",
     "EndKind",
     "FormTerm",
     "FunctionOf",
@@ -688,6 +689,9 @@ def ElementMatrices(
 ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
     """(matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the
     numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1."""
+
+def ElementOrder(space: ngsolve.comp.FESpace) -> numpy.typing.NDArray[numpy.int32]:
+    """The unknowns of a space of NGSolve, an array, in the order in which the elements name them first; those of no element are left out."""
 
 def FunctionOf(functional: ngsolve.fem.PointEvaluationFunctional) -> ngsolve.fem.CoefficientFunction:
     """The function v of an evaluation such as v(x, y)."""

@@ -15,7 +15,7 @@ import pickle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CoefficientFunction, ElementId, GridFunction, comp, specialcf
+from ngsolve import CoefficientFunction, GridFunction, comp, specialcf
 from ngsolve.fem import PointEvaluationFunctional
 
 from . import _ngsxfem_contact as core
@@ -29,10 +29,7 @@ def numbering(space: FESpace) -> np.ndarray:
 
     The numbers themselves are not: a refined mesh keeps the edges of the coarse one, what is read has those of the fine one only.
     """
-    dofs = [dof for number in range(space.mesh.ne) for dof in space.GetDofNrs(ElementId(number))]
-    numbers, first = np.unique(np.array(dofs, dtype=int), return_index=True)
-    used = numbers >= 0  # others have no unknown
-    return numbers[used][np.argsort(first[used])]
+    return core.ElementOrder(space)
 
 
 def numbers_of(space: FESpace, *dofs: np.ndarray) -> list[np.ndarray]:

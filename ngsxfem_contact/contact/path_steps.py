@@ -30,6 +30,8 @@ class PathSteps:
         A LoadCase of the problem, F_0; default nothing.
     inverse
         As for ContactProblem.Solve.
+    previous
+        The ContactSolution of another PathSteps on the same spaces, of a file for example: the steps go on from there.
 
     Attributes
     ----------
@@ -40,6 +42,8 @@ class PathSteps:
     ------
     TypeError
         For a problem with another law.
+    ValueError
+        For a `previous` that no PathSteps found.
 
     Notes
     -----
@@ -55,16 +59,14 @@ class PathSteps:
         solutions = [steps.Solve(0.01) for _ in range(50)]
     """
 
-    def __init__(self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None) -> None:
+    def __init__(self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None, previous: ContactSolution | None = None) -> None:
         if not isinstance(problem.law, NodalLaw):
             raise TypeError(f"PathSteps: the law {problem.law!r} does not hold node by node; take MohrCoulomb, Joint, or another NodalLaw")
         check_type(fixed, LoadCase | None, "PathSteps: fixed", "a LoadCase(problem)")
         self.law, self.reduced = problem.law, ReducedProblem(problem, inverse)
         self.case = self.reduced.case
         self.fixed = 0 * self.case if fixed is None else self.reduced.Reduce(fixed)
-        self.t = 0.0
-        self.last: ContactSolution | None = None
-        self._earlier: PathPoint | None = None
+        self.last, self.t, self._earlier = previous, *begin_of(previous)
 
     def Solve(self, step: float, max_iterations: int = StepOptions.max_iterations) -> ContactSolution:
         """The next solution; its load factor is in t.
@@ -89,7 +91,7 @@ class PathSteps:
         found = FaceHistory(path.problem.Traction(point.z), path.problem.Jump(point.z))
         self.last = self.reduced.Step(StepOptions(None, found, max_iterations, begin), self.fixed + point.t * self.case)
         self.last.report.iterations += iterations
-        self.t, self._earlier = point.t, path.last
+        self.last.state.path = self.t, self._earlier = point.t, path.last
         return self.last
 
     def _path(self, state: State) -> FacePath:
@@ -101,3 +103,13 @@ class PathSteps:
     def _problem(self, state: State, case: ReducedCase) -> FaceProblem:
         whole, cone = self.reduced.Whole(case), state.cone
         return self.law.Problem(self.reduced.Signs(cone)[1].matrix, self.reduced.RightSide(whole, cone), self.reduced.Faces(cone, state.history, whole))
+
+
+def begin_of(previous: ContactSolution | None) -> tuple[float, PathPoint | None]:
+    """The load factor of a solution of PathSteps, and the point before; 0 and None at first."""
+    if previous is None:
+        return 0.0, None
+    check_type(previous, ContactSolution, "PathSteps: previous", "a ContactSolution of PathSteps")
+    if previous.state.path is None:
+        raise ValueError("PathSteps: previous is a solution whose load factor was given, not found; begin with one of PathSteps, or with None")
+    return previous.state.path

@@ -15,6 +15,7 @@ from .faces import FaceHistory, FaceWork
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..algebra.face_path import PathPoint
     from .solution import ContactSolution
 
 
@@ -65,6 +66,8 @@ class State:
         Tractions, jumps and the law's variables, for the next load step.
     work
         Of the faces in this step.
+    path
+        Of PathSteps: the load factor, and the PathPoint before, from which the next step goes on; None for other solutions.
     """
 
     nodes: Nodes
@@ -73,6 +76,7 @@ class State:
     residual: np.ndarray
     history: FaceHistory | None = None
     work: FaceWork = FaceWork()
+    path: tuple[float, PathPoint | None] | None = None
 
 
 def profile(solution: ContactSolution, crack: int, n: int) -> CrackProfile:
