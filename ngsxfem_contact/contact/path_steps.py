@@ -66,7 +66,8 @@ class PathSteps:
         self.law, self.reduced = problem.law, ReducedProblem(problem, inverse)
         self.case = self.reduced.case
         self.fixed = 0 * self.case if fixed is None else self.reduced.Reduce(fixed)
-        self.last, self.t, self._earlier = previous, *begin_of(previous)
+        self.last = previous
+        self.t, self._earlier = begin_of(previous)
 
     def Solve(self, step: float, max_iterations: int = StepOptions.max_iterations) -> ContactSolution:
         """The next solution; its load factor is in t.
@@ -91,7 +92,8 @@ class PathSteps:
         found = FaceHistory(path.problem.Traction(point.z), path.problem.Jump(point.z))
         self.last = self.reduced.Step(StepOptions(None, found, max_iterations, begin), self.fixed + point.t * self.case)
         self.last.report.iterations += iterations
-        self.last.state.path = self.t, self._earlier = point.t, path.last
+        self.t, self._earlier = point.t, path.last
+        self.last.state.path = point.t, path.last
         return self.last
 
     def _path(self, state: State) -> FacePath:
