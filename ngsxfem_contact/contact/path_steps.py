@@ -1,18 +1,20 @@
 """Load steps whose load factor is found: where the load-displacement curve falls, or snaps back."""
 
 import logging
+from typing import Any
 
 import numpy as np
 
 from ..algebra.face_newton import FaceProblem
 from ..algebra.face_path import FacePath, PathPoint
 from ..arguments import check_positive, check_type
+from ..tables import Table
 from .faces import FaceHistory
 from .load_case import LoadCase, ReducedCase
 from .nodal_law import NodalLaw
 from .options import StepOptions
 from .problem import ContactProblem
-from .profile import State
+from .profile import State, step_values
 from .solution import ContactSolution
 from .solver import ReducedProblem
 
@@ -68,6 +70,12 @@ class PathSteps:
         self.fixed = 0 * self.case if fixed is None else self.reduced.Reduce(fixed)
         self.last = previous
         self.t, self._earlier = begin_of(previous)
+        self._rows: list[dict[str, Any]] = []
+
+    @property
+    def table(self) -> Table:
+        """A Table of the steps so far: the factor t that was found, and `step_values`."""
+        return Table.OfRows(self._rows, ["t"])
 
     def Solve(self, step: float, max_iterations: int = StepOptions.max_iterations) -> ContactSolution:
         """The next solution; its load factor is in t.
@@ -94,6 +102,7 @@ class PathSteps:
         self.last.report.iterations += iterations
         self.t, self._earlier = point.t, path.last
         self.last.state.path = point.t, path.last
+        self._rows.append({"t": point.t} | step_values(self.last))
         return self.last
 
     def _path(self, state: State) -> FacePath:

@@ -12,6 +12,7 @@ from ngsolve import CoefficientFunction, InnerProduct, Parameter, dx
 
 from .. import _ngsxfem_contact as core
 from ..arguments import INFINITY, check_function, check_item, check_number, check_type
+from ..description import Described
 from ..loads.face_traction import ComparedTraction
 from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
@@ -22,6 +23,7 @@ from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
 from .cones import CONES
 from .contact_system import ContactSystem
+from .descriptions import of_problem
 from .friction import Frictionless
 from .mixed_system import MixedSystem
 from .nodal_law import LawByCrack, NodalLaw
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from ngsolve import BitArray, GridFunction, LinearForm
 
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
+    from ..description import Lines
     from ..material import Coefficient
     from .faces import FaceHistory
 
@@ -93,7 +96,7 @@ def material_of(V: CrackFESpace, material: Isotropic | None) -> Isotropic:
     return chosen
 
 
-class ContactProblem:
+class ContactProblem(Described):
     """An elastic body with cracks in unilateral contact, with or without friction: find u and λ ≤ 0 of (12).
 
     Parameters
@@ -188,6 +191,10 @@ class ContactProblem:
             self.initial += -InnerProduct(stress, Gradient(V.TestFunction())) * V.body.dx
         check_symmetric_stress(self.initial)
         self.supports = Supports(V)
+
+    def Description(self) -> Lines:
+        """Spaces, material, law of the faces, stabilisation, loads and supports."""
+        return of_problem(self)
 
     def AtNodes(self) -> ContactProblem:
         """The same problem with a law that holds node by node, as the rigid motions of parts need that only faces with friction hold."""

@@ -10,10 +10,12 @@ from ngsolve import GridFunction, Id, Integrate
 
 from ..algebra.nodal_newton import FREE
 from ..arguments import check_item, check_regions, check_whole
+from ..description import Described
 from ..loads.load import LoadTerms, check_unchanged
 from ..operators import NORMAL
 from ..spaces.incompressible import stress, stress_power
 from .at_tips import AtTips
+from .descriptions import of_solution
 from .mixed_system import LocalPressures
 from .profile import CrackProfile, State, changes, profile
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from ngsolve import CoefficientFunction
 
     from .._ngsxfem_contact import CrackedMesh
+    from ..description import Lines
     from ..loads.face_traction import FaceTractions
     from ..loads.reactions import SupportForces, SupportResidual
     from ..operators import Component
@@ -33,7 +36,7 @@ if TYPE_CHECKING:
     from .report import Report
 
 
-class ContactSolution(AtTips):
+class ContactSolution(Described, AtTips):
     """What a solve found: displacement, pressure, and what can be read from them.
 
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
@@ -94,6 +97,10 @@ class ContactSolution(AtTips):
         """What pickle saves: all but what follows from it, with the displacement, which is recovered and checked now."""
         self.u
         return {name: value for name, value in vars(self).items() if name != "_pressure"}
+
+    def Description(self) -> Lines:
+        """What was solved, and what was found; what has not been recovered yet is not asked for."""
+        return of_solution(self)
 
     @property
     def u(self) -> GridFunction:
@@ -328,17 +335,12 @@ class ContactSolution(AtTips):
         return draw(self, **options)
 
     def SaveVTK(self, path: str | Path) -> str:
-        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
+        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name. The file appears when it is complete.
 
         Parameters
         ----------
         path
-            The ending is added if it is missing. The file appears when it is complete.
-
-        Returns
-        -------
-        str
-            The name of the file, which appears when it is complete.
+            The ending is added if it is missing.
 
         Raises
         ------

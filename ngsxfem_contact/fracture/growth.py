@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import logging
 from dataclasses import dataclass
 from math import cos, degrees, pi, sin
@@ -14,9 +13,9 @@ import numpy as np
 from .._ngsxfem_contact import Crack, CrackedMesh
 from ..arguments import check_number, check_whole
 from ..errors import SingularSystem
-from ..files import write_whole
 from ..protocols import GrowthCriterion, GrowthLaw, members
 from ..spaces.resolution import warn_of_short_increment
+from ..tables import Table
 from .growth_laws import MaximumHoopStress
 from .stress_intensity import is_closed
 from .tip_fields import TipFrame, boundary_segments, distance_along
@@ -122,7 +121,7 @@ class CrackGrowth:
         self._cut = {}  # by (crack, end): where it went through ∂Ω
         self._warned = False
 
-    def Run(self, steps: int) -> np.ndarray:
+    def Run(self, steps: int) -> Table:
         """At most so many states, until no tip grows; returns the table. Raises what a solve raises; what was done before is kept.
 
         Parameters
@@ -248,10 +247,9 @@ class CrackGrowth:
         return True
 
     @property
-    def table(self) -> np.ndarray:
-        """A numpy structured array with the fields of TipStep, one row for each state and tip."""
-        types = [(name, "U200" if f.type == "str" else f.type) for name, f in TipStep.__dataclass_fields__.items()]
-        return np.array([tuple(vars(row).values()) for row in self.rows], dtype=types)
+    def table(self) -> Table:
+        """A Table with the fields of TipStep, one row for each state and tip."""
+        return Table.OfRows(map(vars, self.rows), TipStep.__dataclass_fields__)
 
     def __str__(self) -> str:
         lines = ["step crack end          x         y   length       K_I      K_II   angle  advance     cycles  state"]
@@ -269,13 +267,7 @@ class CrackGrowth:
         path : str
             The file.
         """
-        table = self.table
-
-        def write(temporary: Path) -> None:
-            with open(temporary, "w", newline="") as file:
-                csv.writer(file).writerows([[*(table.dtype.names or ())], *table.tolist()])
-
-        return write_whole(Path(path), write)
+        return self.table.SaveCSV(path)
 
     def Animate(self, path: str | Path, scale: float | None = None, seconds: float = 0.5) -> str:
         """Writes the opened body of every state as an animated GIF (needs matplotlib with pillow); returns the path.

@@ -11,6 +11,7 @@ from ngsolve import BND, ElementId, GridFunction, x, y
 
 from ..pickling import dofs_of, numbers_of, packed, unpacked
 from ..spaces.unknowns import Unknowns
+from ..tables import Table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,6 +71,12 @@ class SupportForce:
 
 class SupportForces(list[SupportForce]):
     """SupportForce rows; prints as a table."""
+
+    @property
+    def table(self) -> Table:
+        """A Table with a row for each support: its name, F_x, F_y and moment. `total` is not among them."""
+        forces = np.array([row.force for row in self]).reshape(-1, 2)
+        return Table.Of({"support": [row.name for row in self], "F_x": forces[:, 0], "F_y": forces[:, 1], "moment": [row.moment for row in self]})
 
     @property
     def total(self) -> SupportForce:

@@ -184,9 +184,9 @@ def numbers(solution):
 
 
 def factors(solution, name):
-    """K and G where there is room for them; of one tip of splines, whose integrals take long."""
-    found = []
-    for tip in range(len(solution.body.tips) if name not in ("spline", "level set", "several") else 1):
+    """K and G where there is room for them; of few tips where their integrals take long."""
+    found, few = [], {"spline": 1, "level set": 1, "several": 1, "refined, everything": 0}
+    for tip in range(few.get(name, len(solution.body.tips))):
         for read in (solution.StressIntensity, solution.EnergyReleaseRate):
             try:
                 value = read(tip)
