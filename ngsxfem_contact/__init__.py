@@ -3,7 +3,7 @@
     from ngsolve import *
     from ngsxfem_contact import *
 
-brings the names of `__all__`, those of a first script. The others are those of the `__all__` of the sub-packages and of geometry, errors and operators:
+brings the names of `__all__`, those of a first script. The others are those of the `__all__` of the sub-packages and of geometry, errors, operators and tables:
 docs/api.md. Of NGSolve's own names one is replaced: Variation, which does for measures of a CrackedMesh what NGSolve's does for its own, and for
 those the same.
 """
@@ -38,7 +38,7 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """A public name of a sub-package or module: `from ngsxfem_contact import WingCracks` works, too."""
-    for part in ("geometry", "errors", "operators", "algebra", "spaces", "plotting", "fracture", "loads", "contact"):
+    for part in ("geometry", "errors", "operators", "tables", "algebra", "spaces", "plotting", "fracture", "loads", "contact"):
         if name in globals()[part].__all__:
             return getattr(globals()[part], name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

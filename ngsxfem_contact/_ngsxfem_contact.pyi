@@ -343,6 +343,10 @@ class Tip:
 class CrackedMesh:
     """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges."""
 
+    @staticmethod
+    def _repr_html_(body: CrackedMesh) -> str:
+        """The same as HTML."""
+
     def CheckMesh(self) -> None:
         """Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it."""
 

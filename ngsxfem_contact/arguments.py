@@ -46,7 +46,7 @@ def check_item(number: Any, items: Sized, what: str, where: str) -> None:
 def check_type(value: Any, types: Any, name: str, must: str) -> None:
     """Raises TypeError unless value is an instance of one of the types; must: what it has to be, in words."""
     if not isinstance(value, types):
-        raise TypeError(f"{name}={value!r} is not {must}")
+        raise TypeError(f"{name}={repr(value).partition(chr(10))[0]} is not {must}")
 
 
 def is_function(value: Any) -> bool:

@@ -72,9 +72,9 @@ def gridfunction_of(space: FESpace, name: str, values: np.ndarray) -> GridFuncti
 
 
 def reduce_gridfunction(function: GridFunction) -> Any:
-    """Its space, its name, and its values; NGSolve's own way where unknowns belong to no element, or are not real."""
+    """NGSolve's own way; on a refined mesh the space, the name, and the values, where all unknowns are real and belong to elements."""
     space = function.space
-    if space.is_complex or len(function.vecs) > 1:
+    if space.mesh.levels == 1 or space.is_complex or len(function.vecs) > 1:
         return function.__reduce_ex__(2)
     order, values = numbering(space), function.vec.FV().NumPy()
     if np.count_nonzero(values[order]) != np.count_nonzero(values):

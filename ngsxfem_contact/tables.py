@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
+__all__ = ["Table"]
+
 SHOWN = 20  # rows of a long table at either end
 
 

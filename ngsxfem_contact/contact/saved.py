@@ -20,6 +20,7 @@ from ngsolve import __version__ as NGSOLVE
 
 from .. import _ngsxfem_contact as core
 from .._version_check import VERSION
+from ..errors import NotSaved
 from ..files import UnreadableFile, write_whole
 from ..loads.load import PointLoad, StiffnessForm, form_of
 from ..pickling import numbering, packed
@@ -34,10 +35,6 @@ KIND = b"ngsxfem_contact solution\n"
 FORMAT = 1  # raise it where the classes in a file change
 SAME, AGAIN = 1e-12, 1e-9  # relative: what was read again is what was saved, on the same spaces, and on those that were made again
 SAMPLES = 500  # elements in which u is looked at
-
-
-class NotSaved(TypeError):
-    """A part of a problem cannot be saved; the message says which, and why."""
 
 
 def save(solution: ContactSolution, path: str | Path) -> Path:
@@ -127,7 +124,7 @@ def probe(solution: ContactSolution) -> list[tuple[str, np.ndarray]]:
 def check_numbers(problem: ContactProblem) -> None:
     """Raises NotSaved for multipliers that are numbered by the edges of a refined mesh, which are other ones when it is read."""
     W = problem.W
-    if isinstance(W.basis, core.MeshTraceBasis) and W.order > 1 and any(not edge.elements for edge in W.mesh.edges):
+    if isinstance(W.basis, core.MeshTraceBasis) and W.order > 1 and W.mesh.levels > 1:
         raise NotSaved("Save: TraceSpace(basis='trace') of order 2 or more on a refined mesh cannot be saved; take basis='nodal'")
 
 

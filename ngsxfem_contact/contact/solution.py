@@ -45,8 +45,8 @@ class ContactSolution(Described, AtTips):
     ----------
     problem : ContactProblem
         What was solved.
-    u : GridFunction or function
-        The displacement; or a function without arguments that computes it and the SupportResidual: it is called when one of them is first used.
+    recover
+        A function without arguments that computes the displacement and the SupportResidual: it is called when one of them is first used.
     multipliers : sequence of GridFunctions
         λ, and with friction λ_t.
     report : Report
@@ -80,15 +80,14 @@ class ContactSolution(Described, AtTips):
     def __init__(
         self,
         problem: ContactProblem,
-        u: Any,
+        recover: Callable[[], tuple[GridFunction, SupportResidual]],
         multipliers: list[GridFunction],
         report: Report,
         gamma: CoefficientFunction,
         state: State,
-        case: SolvedCase | None = None,
+        case: SolvedCase,
     ) -> None:
-        self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
-        self._supports: SupportResidual | None = None
+        self.problem, self._recover, self.report, self.gamma, self.state = problem, recover, report, gamma, state
         self.a = problem.a.Copy()
         self.case = case
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
@@ -105,9 +104,13 @@ class ContactSolution(Described, AtTips):
     @property
     def u(self) -> GridFunction:
         """The displacement."""
-        if not isinstance(self._u, GridFunction):
-            self._u, self._supports = self._u()
-        return self._u
+        return self._found[0]
+
+    @cached_property
+    def _found(self) -> tuple[GridFunction, SupportResidual]:
+        found = self._recover()
+        del self._recover  # and what it holds, such as a factorisation
+        return found
 
     @property
     def body(self) -> CrackedMesh:
@@ -116,13 +119,12 @@ class ContactSolution(Described, AtTips):
 
     @property
     def load(self) -> LoadTerms:
-        """The LoadTerms that this was solved for; of a solution that was read from a file it is not known, and empty."""
-        return self.case.load if self.case is not None else LoadTerms()
+        """The LoadTerms that this was solved for."""
+        return self.case.load
 
     def CheckLoad(self) -> None:
         """Raises ValueError if a coefficient of the load, such as a Parameter, has another value now than in the solve."""
-        if self.case is not None:
-            check_unchanged(self.load, self.case.F, self.problem.V, "the solve")
+        check_unchanged(self.load, self.case.F, self.problem.V, "the solve")
 
     @property
     def stress(self) -> CoefficientFunction:
@@ -206,16 +208,9 @@ class ContactSolution(Described, AtTips):
         """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
 
         `total` of the table and the loads are in balance to round-off.
-
-        Raises
-        ------
-        ValueError
-            For a solution that was read from a file.
         """
-        stress = self.stress
-        if self._supports is None:
-            raise ValueError("Reactions: this solution was read from a file, which does not hold the reactions; solve the problem again")
-        return self._supports.Forces(stress)
+        _, supports = self._found
+        return supports.Forces(self.stress)
 
     def Reaction(self, place: str | Sequence[float]) -> np.ndarray:
         """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
@@ -316,8 +311,6 @@ class ContactSolution(Described, AtTips):
 
     def PotentialEnergy(self) -> float:
         """Π = ½ a(u, u) + FaceEnergy() - L(u), springs and given stresses included. Without dissipation on the faces G = -dΠ/da, a the length of the crack."""
-        if self.case is None:
-            raise ValueError("PotentialEnergy: this solution was read from a file, which does not hold the load; solve the problem again")
         U = self.u.vec.FV().NumPy()
         return self.Energy() + self.FaceEnergy() + float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
 

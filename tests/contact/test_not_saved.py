@@ -16,7 +16,8 @@ from ngsxfem_contact.contact.faces import FaceHistory, FaceWork
 from ngsxfem_contact.contact.load_case import SolvedCase
 from ngsxfem_contact.contact.profile import State
 from ngsxfem_contact.contact.report import Report
-from ngsxfem_contact.contact.saved import FORMAT, KIND, NotSaved
+from ngsxfem_contact.contact.saved import FORMAT, KIND
+from ngsxfem_contact.errors import NotSaved
 from ngsxfem_contact.files import UnreadableFile
 from ngsxfem_contact.loads.reactions import SupportResidual
 from ngsxfem_contact.loads.supports import HeldSide
@@ -124,7 +125,7 @@ def test_classes_that_are_not_there_are_refused_in_words(path, monkeypatch):
 
 def test_spaces_that_are_others_are_refused(path, monkeypatch):
     """Values of u say so where the spaces were made in another way."""
-    solved().Save(path)
+    solved("refined").Save(path)
     monkeypatch.setattr(pickling, "unpacked", lambda space, values: np.roll(unpacked(space, values), 1))
     with pytest.raises(UnreadableFile, match="u is another one"):
         ContactSolution.Load(path)
