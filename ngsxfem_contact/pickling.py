@@ -72,13 +72,19 @@ def gridfunction_of(space: FESpace, name: str, values: np.ndarray) -> GridFuncti
 
 
 def reduce_gridfunction(function: GridFunction) -> Any:
-    """NGSolve's own way; on a refined mesh the space, the name, and the values, where all unknowns are real and belong to elements."""
+    """NGSolve's own way; on a refined mesh the space, the name, and the values. Raises PicklingError there unless all unknowns are real and belong to elements."""
     space = function.space
-    if space.mesh.levels == 1 or space.is_complex or len(function.vecs) > 1:
+    if space.mesh.levels == 1:
         return function.__reduce_ex__(2)
+    if isinstance(function, comp.ComponentGridFunction) or space.is_complex or len(function.vecs) > 1:
+        raise pickle.PicklingError(
+            "components of GridFunctions, complex ones and those with many vectors are not saved on a refined mesh; take a real one of its own"
+        )
     order, values = numbering(space), function.vec.FV().NumPy()
     if np.count_nonzero(values[order]) != np.count_nonzero(values):
-        return function.__reduce_ex__(2)
+        raise pickle.PicklingError(
+            "a GridFunction on a refined mesh has unknowns that belong to no element, which cannot be saved; interpolate it by one of H1 or L2"
+        )
     return gridfunction_of, (space, function.name, values[order].copy())
 
 
@@ -134,7 +140,7 @@ def reduce_functional(functional: PointEvaluationFunctional) -> Any:
 
 
 copyreg.pickle(CoefficientFunction, reduce_function)
-for kind in (GridFunction, comp.GridFunctionD):  # as Python made it, and as NGSolve gives it back from a function that it is part of
+for kind in (GridFunction, comp.GridFunctionD, comp.GridFunctionC, comp.ComponentGridFunction):  # D and C: out of functions that they are part of
     copyreg.pickle(kind, reduce_gridfunction)
 copyreg.pickle(comp.GridFunctionCoefficientFunction, reduce_operator)
 copyreg.pickle(comp.ProxyFunction, reduce_proxy)

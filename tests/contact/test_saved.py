@@ -156,6 +156,17 @@ FUNCTIONS = {
 }
 
 
+def test_components_on_refined_meshes_are_refused():
+    """NGSolve would give them values of other unknowns."""
+    mesh = refined()
+    both = GridFunction(H1(mesh, order=2) * H1(mesh, order=1))
+    with pytest.raises(pickle.PicklingError, match="components of GridFunctions"):
+        pickle.dumps(x * both.components[0])
+    both.components[0].Set(x * y)
+    mesh2, copy = pickle.loads(pickle.dumps((mesh, both)))
+    assert copy.components[0](mesh2(0.3, 0.4)) == pytest.approx(0.12, rel=1e-12)
+
+
 @pytest.mark.parametrize("name", FUNCTIONS)
 @pytest.mark.parametrize("mesh", [square, refined])
 def test_functions_are_pickled(name, mesh):
