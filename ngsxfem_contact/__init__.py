@@ -3,7 +3,7 @@
     from ngsolve import *
     from ngsxfem_contact import *
 
-brings the names of `__all__`, those of a first script. The others are those of the `__all__` of the sub-packages and of geometry, errors and operators:
+brings the names of `__all__`, those of a first script. The others are those of the `__all__` of the sub-packages and of geometry, errors, operators and tables:
 docs/api.md. Of NGSolve's own names one is replaced: Variation, which does for measures of a CrackedMesh what NGSolve's does for its own, and for
 those the same.
 """
@@ -21,7 +21,7 @@ from .spaces import CrackFESpace, TipEnrichment, TraceSpace
 from . import plotting  # noqa: F401
 from .fracture import CrackGrowth, GivenIncrement, Paris
 from . import loads  # noqa: F401
-from .contact import BarbosaHughes, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca
+from .contact import BarbosaHughes, ContactProblem, ContactSolution, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca
 from . import exact  # noqa: F401
 from . import job  # noqa: F401
 
@@ -31,14 +31,14 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())
 __all__ = [
     "Crack", "CrackedMesh", "CrackFESpace", "TipEnrichment", "TraceSpace", "Elasticity",  # body, spaces, material
     "Plus", "Minus", "Jump", "Strain", "NormalGap", "Slip", "Variation",  # operators
-    "ContactProblem", "BarbosaHughes", "Nitsche", "Coulomb", "Tresca", "LoadCase", "LoadSteps",  # the problem
+    "ContactProblem", "ContactSolution", "BarbosaHughes", "Nitsche", "Coulomb", "Tresca", "LoadCase", "LoadSteps",  # the problem
     "CrackGrowth", "GivenIncrement", "Paris", "SolveError",  # growth and refusals
 ]  # fmt: skip
 
 
 def __getattr__(name: str) -> object:
     """A public name of a sub-package or module: `from ngsxfem_contact import WingCracks` works, too."""
-    for part in ("geometry", "errors", "operators", "algebra", "spaces", "plotting", "fracture", "loads", "contact"):
+    for part in ("geometry", "errors", "operators", "tables", "algebra", "spaces", "plotting", "fracture", "loads", "contact"):
         if name in globals()[part].__all__:
             return getattr(globals()[part], name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -26,14 +26,20 @@ __all__: list[str] = [
     "ElementKind",
     "ElementLocation",
     "ElementMatrices",
+    "ElementOrder",
     "EndKind",
     "FormTerm",
+    "FunctionOf",
+    "GridFunctionOf",
     "InnerIntegrals",
+    "IsTestFunction",
     "MeshTraceBasis",
+    "NameOf",
     "NodalTraceBasis",
     "NumKeptRules",
     "NumNegativePivots",
     "OperatorName",
+    "OperatorOf",
     "PartTriangle",
     "PointOf",
     "SchurComplement",
@@ -346,6 +352,10 @@ class Tip:
 
 class CrackedMesh:
     """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges."""
+
+    @staticmethod
+    def _repr_html_(body: CrackedMesh) -> str:
+        """The same as HTML."""
 
     def CheckMesh(self) -> None:
         """Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it."""
@@ -700,8 +710,23 @@ def ElementMatrices(
     """(matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the
     numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1."""
 
+def ElementOrder(space: ngsolve.comp.FESpace) -> numpy.typing.NDArray[numpy.int32]:
+    """The unknowns of a space of NGSolve, an array, in the order in which the elements name them first; those of no element are left out."""
+
+def FunctionOf(functional: ngsolve.fem.PointEvaluationFunctional) -> ngsolve.fem.CoefficientFunction:
+    """The function v of an evaluation such as v(x, y)."""
+
+def GridFunctionOf(function: ngsolve.comp.GridFunctionCoefficientFunction) -> ngsolve.comp.GridFunction:
+    """The GridFunction that a function such as Grad(u) or Jump(u) is an operator of."""
+
 def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
     """The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray)."""
+
+def IsTestFunction(proxy: ngsolve.comp.ProxyFunction) -> bool:
+    """Whether a trial or test function is a test function."""
+
+def NameOf(function: ngsolve.fem.CoefficientFunction) -> str:
+    """What NGSolve calls a function, such as 'normal vector'."""
 
 def NumKeptRules(body: CrackedMesh) -> int:
     """How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep."""
@@ -711,6 +736,9 @@ def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:
 
 def OperatorName(proxy: ngsolve.comp.ProxyFunction) -> str:
     """The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ..."""
+
+def OperatorOf(function: ngsolve.comp.GridFunctionCoefficientFunction) -> str | None:
+    """The name of the operator that a function is of its GridFunction, 'deriv' for Deriv(); None where NGSolve does not know."""
 
 def PointOf(functional: ngsolve.fem.PointEvaluationFunctional) -> tuple[float, float]:
     """The point (x, y) of an evaluation such as v(x, y) in a linear form."""

@@ -62,7 +62,7 @@ def crack_title(cracks: Sequence[Crack], number: int) -> str:
 def check_type(value: Any, types: Any, name: str, must: str) -> None:
     """Raises TypeError unless value is an instance of one of the types; must: what it has to be, in words."""
     if not isinstance(value, types):
-        raise TypeError(f"{name}={value!r} is not {must}")
+        raise TypeError(f"{name}={repr(value).partition(chr(10))[0]} is not {must}")
 
 
 def is_function(value: Any) -> bool:

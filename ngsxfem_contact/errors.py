@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 
-__all__ = ["AccuracyWarning", "NotCoercive", "NotConverged", "SingularSystem", "SolveError"]
+__all__ = ["AccuracyWarning", "NotCoercive", "NotConverged", "NotSaved", "SingularSystem", "SolveError"]
 
 
 class SolveError(RuntimeError):
@@ -29,6 +29,10 @@ class SingularSystem(SolveError):
 
 class NotCoercive(SolveError):
     """K - K_γ, (13) of [AHLMR12], is not positive: gamma0 is too large. The message names a bound; BarbosaHughes() chooses γ itself."""
+
+
+class NotSaved(TypeError):
+    """A part of a problem cannot be saved; the message says which, and why. Nothing was written."""
 
 
 class AccuracyWarning(UserWarning):

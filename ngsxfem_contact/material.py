@@ -311,11 +311,14 @@ class RegionElasticity(Isotropic):
         unused = set(materials) - {name for found in matches.values() for name in found}
         if unused:
             raise ValueError(f"Elasticity.ByRegion: {sorted(unused)} match no region; the mesh has {sorted(set(names))}")
-        self._regions = [materials[matches[region][0]] for region in names]
+        self.mesh, self._regions = mesh, [materials[matches[region][0]] for region in names]
         by_name = dict(zip(names, self._regions))
         piecewise = lambda field: mesh.MaterialCF({name: getattr(material, field) for name, material in by_name.items()})
         self.lam, self.mu, self.nu, self.alpha, self.confined, self.projected = map(piecewise, ("lam", "mu", "nu", "alpha", "confined", "projected"))
         self.nearly_incompressible = any(material.nearly_incompressible for material in self._regions)
+
+    def __reduce__(self) -> tuple[type, tuple[Mesh, dict[str, Elasticity]]]:
+        return RegionElasticity, (self.mesh, {re.escape(name): material for name, material in zip(self.mesh.GetMaterials(), self._regions)})
 
     @property
     def regions(self) -> list[Elasticity]:

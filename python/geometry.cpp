@@ -77,6 +77,7 @@ static void ExportCrack (py::module & m)
          })
     .def(py::pickle([] (const Crack & c) { return py::make_tuple(PiecesOf(c), c.Name()); },
                     [] (py::tuple state) { return CrackOfPieces(state[0].cast<PieceDescriptions>(), state[1].cast<string>()); }));
+  ngcore::RegisterPyArchiveCaster<Crack>();               // coefficient functions hold cracks and bodies, and are pickled with them
 }
 
 static std::vector<Pair> OutlineOf (const PartTriangle & part, double turn)
@@ -246,14 +247,13 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); },
                            "The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack.")
     .def_property_readonly("larger_side", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
-         { return make_shared<CrackLabel>(b, [] (const CrackSides & here) { return double(here.larger_side); }); },
+         { return make_shared<CrackLabel>(b, Label::LargerSide); },
          "On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction.")
     .def("InLargerPart", [] (shared_ptr<CrackedMesh> b, std::optional<std::string> side) -> shared_ptr<CoefficientFunction>
          {
            if (!side) return make_shared<LargerPart>(b);
            if (*side != "plus" && *side != "minus") throw py::value_error("CrackedMesh.InLargerPart: side='" + *side + "' is neither 'plus' nor 'minus'");
-           bool plus = *side == "plus";
-           return make_shared<CrackLabel>(b, [plus] (const CrackSides & here) { return double(here.Larger() == (plus ? here.plus : here.minus)); });
+           return make_shared<CrackLabel>(b, *side == "plus" ? Label::LargerIsPlus : Label::LargerIsMinus);
          }, py::arg("side"),
          "1 in the larger parts beside the cracks, 0 elsewhere, a CoefficientFunction: by the position of a point (None), on the cracks for their \"plus\" or \"minus\" side.\n"
          "\nRaises\n------\nValueError\n    For another side.")
@@ -261,7 +261,7 @@ static void ExportCrackedMesh (py::module & m)
          { return make_shared<CrackLimit>(b, function, side); }, py::arg("function"), py::arg("side"),
          "The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.")
     .def_property_readonly("crack_number", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
-         { return make_shared<CrackLabel>(b, [] (const CrackSides & here) { return double(here.crack); }); },
+         { return make_shared<CrackLabel>(b, Label::CrackNumber); },
          "On the cracks the number of the crack: a CoefficientFunction.")
     .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); }, "The measure on the body without the cracks.")
     .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); }, "The measure on the boundary, divided at mouths.")
@@ -269,6 +269,7 @@ static void ExportCrackedMesh (py::module & m)
     .def_property_readonly("dcrack", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol::OnCracks(b, { Domain::Crack }); }, "The measure on the cracks.")
     .def(py::pickle([] (const CrackedMesh & b) { return py::make_tuple(b.GetMesh(), b.Cracks()); },
                     [] (py::tuple state) { return MakeCrackedMesh(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Crack>>()); }));
+  ngcore::RegisterPyArchiveCaster<CrackedMesh>();
 }
 
 void ExportGeometry (py::module & m)

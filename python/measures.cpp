@@ -7,6 +7,26 @@ using namespace ngsxfem_contact;
 using namespace ngfem;
 using ngcomp::Region;
 
+using Division = std::vector<std::vector<double>>;
+
+static py::tuple WrittenTerm (const FormTerm & term)
+{
+  auto place = PlaceOf(term);
+  auto arclengths = dynamic_pointer_cast<const ArcLengths>(place.kind.division);
+  return py::make_tuple(term.integral->cf, const_pointer_cast<CrackedMesh>(place.body), place.kind.domain, place.kind.crack,
+                        arclengths ? std::optional<Division>(arclengths->All()) : std::nullopt,
+                        place.vb != VOL, place.bonus_intorder, place.elements, place.regions);
+}
+
+static FormTerm ReadTerm (py::tuple t)
+{
+  using Bits = shared_ptr<ngcore::BitArray>;
+  auto arclengths = t[4].cast<std::optional<Division>>();
+  RuleKind kind { t[2].cast<Domain>(), arclengths ? make_shared<ArcLengths>(*arclengths) : nullptr, t[3].cast<std::optional<size_t>>() };
+  TermPlace place { t[1].cast<shared_ptr<CrackedMesh>>(), kind, t[5].cast<bool>() ? BND : VOL, t[6].cast<int>(), t[7].cast<Bits>(), t[8].cast<Bits>() };
+  return TermAt(place, t[0].cast<shared_ptr<CoefficientFunction>>());
+}
+
 void ExportFormTerms (py::module & m)
 {
   py::enum_<Domain>(m, "Domain", "What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack.")
@@ -22,9 +42,21 @@ void ExportFormTerms (py::module & m)
     .def_readonly("regions", &FormTerm::regions, "BitArray of the regions (materials or boundaries) that it is restricted to, or None.")
     .def_readonly("trial", &FormTerm::trial, "The trial functions in it, one for each operator that is applied to them.")
     .def_readonly("test", &FormTerm::test, "The test functions in it, one for each operator that is applied to them.")
-    .def_readonly("element_normal", &FormTerm::element_normal, "Whether it holds NGSolve's normal vector, which is zero inside of elements.");
+    .def_readonly("element_normal", &FormTerm::element_normal, "Whether it holds NGSolve's normal vector, which is zero inside of elements.")
+    .def(py::pickle(&WrittenTerm, &ReadTerm));
   m.def("TermsOf", &TermsOf, py::arg("form"), "The FormTerms of a form, one for each integral.");
   m.def("OperatorName", &OperatorName, py::arg("proxy"), "The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ...");
+  m.def("IsTestFunction", [] (const ProxyFunction & proxy) { return proxy.IsTestFunction(); }, py::arg("proxy"), "Whether a trial or test function is a test function.");
+  m.def("GridFunctionOf", [] (const ngcomp::GridFunctionCoefficientFunction & function) { return function.GetGridFunctionPtr(); }, py::arg("function"),
+        "The GridFunction that a function such as Grad(u) or Jump(u) is an operator of.");
+  m.def("OperatorOf", [] (const ngcomp::GridFunctionCoefficientFunction & function) -> std::optional<string>
+        {
+          if (function.generated_from_deriv) return "deriv";
+          if (function.generated_from_operator.empty()) return std::nullopt;
+          return function.generated_from_operator;
+        }, py::arg("function"), "The name of the operator that a function is of its GridFunction, 'deriv' for Deriv(); None where NGSolve does not know.");
+  m.def("NameOf", [] (const CoefficientFunction & function) { return function.GetDescription(); }, py::arg("function"), "What NGSolve calls a function, such as 'normal vector'.");
+  m.def("FunctionOf", [] (const ngcomp::PointEvaluationFunctional & functional) { return functional.cf; }, py::arg("functional"), "The function v of an evaluation such as v(x, y).");
   m.def("PointOf", [] (const ngcomp::PointEvaluationFunctional & functional) { return std::pair(functional.point(0), functional.point(1)); },
         py::arg("functional"), "The point (x, y) of an evaluation such as v(x, y) in a linear form.");
 }

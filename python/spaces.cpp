@@ -1,5 +1,6 @@
 #include "convert.hpp"
 #include <pybind11/numpy.h>
+#include "spaces/element_order.hpp"
 
 using namespace ngsxfem_contact;
 using namespace ngcomp;
@@ -158,6 +159,11 @@ static void ExportCrackBilinearForm (py::module & m)
 
 void ExportSpaces (py::module & m)
 {
+  m.def("ElementOrder", [] (shared_ptr<FESpace> space)
+        {
+          auto order = ElementOrder(*space);
+          return py::array_t<int>(order.Size(), order.Data());
+        }, py::arg("space"), "The unknowns of a space of NGSolve, an array, in the order in which the elements name them first; those of no element are left out.");
   ExportTipSpec(m);
   ExportCrackFESpace(m);
   ExportCrackBilinearForm(m);

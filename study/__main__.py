@@ -60,7 +60,7 @@ def run(options):
     print(rates_table(rates))
     draws = not options.no_figures and can_draw()
     if draws:
-        write_figures(options.output, records, study.reference.Solution())
+        write_figures(options.output, records, study.reference.solution)
     print(f"wrote study.jsonl, study.csv, rates.json{' and figures' if draws else ''} to {options.output.resolve()}")
 
 

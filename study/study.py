@@ -5,7 +5,6 @@ Every finished solve is one line of study.jsonl, so that a stopped study goes on
 
 import csv
 import json
-import pickle
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
@@ -17,9 +16,6 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngsxfem_contact.contact.checks import Coercivity, InfSup
 from ngsxfem_contact.contact.cones import CONES
 from ngsxfem_contact.contact.options import StepOptions
-from ngsxfem_contact.contact.problem import ContactProblem
-from ngsxfem_contact.contact.profile import State
-from ngsxfem_contact.contact.report import Report
 from ngsxfem_contact.contact.solution import ContactSolution
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes, BothSides
@@ -60,12 +56,11 @@ def structured_mesh(cells):
 
 def reference_solution(folder, cells=REFERENCE_CELLS):
     """The P2/P1 solution on a fine structured mesh, stabilised; computed once and kept in the folder."""
-    path = Path(folder) / f"reference-{cells}-{versions()}.pickle"
+    path = Path(folder) / f"reference-{cells}-{versions()}.solution"
     if not path.exists():
         with TaskManager():
             solution = paper_problem(structured_mesh(cells)).Solve()
-        state = pickle.dumps((solution.u, solution.multiplier, solution.report.active[-1]))
-        write_whole(path, lambda temporary: temporary.write_bytes(state))
+        solution.Save(path)
     return path
 
 
@@ -74,9 +69,10 @@ class Reference:
 
     def __init__(self, path):
         try:
-            self.u, self.multiplier, self.active = pickle.loads(Path(path).read_bytes())
-        except (pickle.UnpicklingError, EOFError, AttributeError, IndexError, ValueError) as error:
+            self.solution = ContactSolution.Load(path)
+        except UnreadableFile as error:
             raise UnreadableFile(f"{path} is no reference solution ({error}); delete it, it will be computed again") from None
+        self.u, self.multiplier = self.solution.u, self.solution.multiplier
         self.nodes = TraceNodes(self.multiplier.space)
         self.nodal_values = self.multiplier.vec.FV().NumPy().copy()
 
@@ -84,13 +80,6 @@ class Reference:
         """u (n, 2) and ∂_j u_i (n, 4)."""
         points = self.u.space.mesh(x, y)
         return self.u(points), Grad(self.u)(points)
-
-    def Solution(self):
-        """The reference as a ContactSolution."""
-        problem = ContactProblem(self.u.space, self.multiplier.space, MATERIAL)
-        report = Report((self.u.space.ndof, self.multiplier.space.ndof), converged=True, active=[self.active])
-        state = State(self.nodes, problem.cone, self.nodal_values, np.zeros(0))
-        return ContactSolution(problem, self.u, [self.multiplier], report, None, state)
 
     def Pressure(self, s):
         """λ at arc lengths."""

@@ -31,8 +31,8 @@ print(len(records), "records, errors in", len(converged), "of them")
 # The von Mises stress on the deformed body, and the contact stress along the crack. Lemma A.1 of the paper says that $\sigma_n$ stays finite at a closed tip: the figure agrees.
 
 # %%
-figures.reference_von_mises(study.reference.Solution())
-figures.reference_contact_stress(study.reference.Solution())
+figures.reference_von_mises(study.reference.solution)
+figures.reference_contact_stress(study.reference.solution)
 plt.show()
 
 # %% [markdown]

@@ -221,21 +221,22 @@ namespace ngsxfem_contact
 
     class Cubic : public NumericCurve
     {
+      std::array<Point,4> given;             // values and derivatives at the ends: what it is described by, to the last digit
       std::array<Point,4> c;                 // powers of t in [0, 1]
     public:
-      Cubic (std::array<Point,4> ac) : c(ac) { length = Integral(0, 1); }
-      /// From values and derivatives at the ends.
-      static std::array<Point,4> Powers (Point p0, Point d0, Point p1, Point d1)
+      Cubic (Point p0, Point d0, Point p1, Point d1) : given { p0, d0, p1, d1 }
       {
         Point chord = p1-p0;
-        return { p0, d0, Point(3*chord-2*d0-d1), Point(d0+d1-2*chord) };
+        c = { p0, d0, Point(3*chord-2*d0-d1), Point(d0+d1-2*chord) };
+        length = Integral(0, 1);
       }
+      Cubic Part (double t0, double t1) const
+      { return Cubic(Value(t0), Point((t1-t0)*Derivative(t0)), Value(t1), Point((t1-t0)*Derivative(t1))); }
       double End () const override { return 1; }
       Point Value (double t) const override { return Point(c[0] + t*(c[1] + t*(c[2] + t*c[3]))); }
       Point Derivative (double t) const override { return Point(c[1] + t*(2*c[2] + t*3*c[3])); }
       Point SecondDerivative (double t) const override { return Point(2*c[2] + 6*t*c[3]); }
-      PiecePtr Between (double t0, double t1) const override
-      { return std::make_shared<Cubic>(Powers(Value(t0), Point((t1-t0)*Derivative(t0)), Value(t1), Point((t1-t0)*Derivative(t1)))); }
+      PiecePtr Between (double t0, double t1) const override { return std::make_shared<Cubic>(Part(t0, t1)); }
       void AppendCrossings (Point a, Point normal, std::vector<double> & t) const override
       {
         std::array<double,4> q { Dot(Point(c[0]-a), normal), Dot(c[1], normal), Dot(c[2], normal), Dot(c[3], normal) };
@@ -268,14 +269,7 @@ namespace ngsxfem_contact
       }
       int GaussPoints (int order, double, double) const override { return (3*order+6)/2; }
       std::pair<std::string, std::vector<Point>> Description () const override
-      { return { "cubic", { Value(0), Derivative(0), Value(1), Derivative(1) } }; }
-
-      std::pair<Cubic, Cubic> Halves () const
-      {
-        std::array<Point,4> first { c[0], Point(0.5*c[1]), Point(0.25*c[2]), Point(0.125*c[3]) };
-        std::array<Point,4> second { Value(0.5), Point(0.5*Derivative(0.5)), Point(0.125*SecondDerivative(0.5)), first[3] };
-        return { Cubic(first), Cubic(second) };
-      }
+      { return { "cubic", std::vector<Point>(given.begin(), given.end()) }; }
       /// Whether Gauss points give the arc length to round-off, and Newton's method finds nearest points.
       bool IsTame () const
       {
@@ -296,9 +290,8 @@ namespace ngsxfem_contact
       if (depth == 0)
         throw Exception("Crack: the curve has a cusp or stops near " + ToString(cubic.Value(0.5))
                         + "; its derivative must not vanish");
-      auto [first, second] = cubic.Halves();
-      AppendTame(first, depth-1, pieces);
-      AppendTame(second, depth-1, pieces);
+      AppendTame(cubic.Part(0, 0.5), depth-1, pieces);
+      AppendTame(cubic.Part(0.5, 1), depth-1, pieces);
     }
   }
 
@@ -309,7 +302,7 @@ namespace ngsxfem_contact
   std::vector<PiecePtr> MakeCubic (Point p0, Point d0, Point p1, Point d1)
   {
     std::vector<PiecePtr> pieces;
-    AppendTame(Cubic(Cubic::Powers(p0, d0, p1, d1)), 20, pieces);
+    AppendTame(Cubic(p0, d0, p1, d1), 20, pieces);
     return pieces;
   }
 

@@ -69,6 +69,7 @@ namespace ngsxfem_contact
     /// Throws for a mesh that is not plane triangles, for what FittedToBody, AllMeetings, CrackLocation and CutElement refuse, and for a
     /// mesh with a deformation.
     CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
+    CrackedMesh (const CrackedMesh &) = delete;        // spaces, measures and functions share one
 
     shared_ptr<MeshAccess> GetMesh () const override { return mesh; }
     void CheckMesh () const override;

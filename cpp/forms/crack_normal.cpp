@@ -1,8 +1,67 @@
 #include "forms/crack_normal.hpp"
+#include <any>
+#include <core/register_archive.hpp>
 
 namespace ngsxfem_contact
 {
   using namespace ngfem;
+  using ngcore::Archive;
+
+  template <typename T>
+  static void ArchiveForPython (Archive & ar, T & value)
+  {
+    std::any any = value;
+    ar.Shallow(any);
+    if (ar.Input()) value = std::any_cast<T>(any);
+  }
+
+  static void ArchiveBody (Archive & ar, shared_ptr<const CrackedMesh> & body)
+  {
+    auto own = std::const_pointer_cast<CrackedMesh>(body);
+    ArchiveForPython(ar, own);
+    body = own;
+  }
+
+  void CrackFrame :: DoArchive (Archive & ar)
+  {
+    CoefficientFunctionNoDerivative::DoArchive(ar);
+    ArchiveBody(ar, body);
+    ar & tangent;
+  }
+
+  void CrackLabel :: DoArchive (Archive & ar)
+  {
+    CoefficientFunctionNoDerivative::DoArchive(ar);
+    ArchiveBody(ar, body);
+    ar & label;
+  }
+
+  void LargerPart :: DoArchive (Archive & ar)
+  {
+    CoefficientFunctionNoDerivative::DoArchive(ar);
+    ArchiveBody(ar, body);
+  }
+
+  void CrackLimit :: DoArchive (Archive & ar)
+  {
+    CoefficientFunctionNoDerivative::DoArchive(ar);
+    ArchiveBody(ar, body);
+    ar.Shallow(function) & side;
+  }
+
+  void CrackSide :: DoArchive (Archive & ar)
+  {
+    CoefficientFunctionNoDerivative::DoArchive(ar);
+    Crack own = crack ? *crack : Crack(std::vector<Point> { Point(0, 0), Point(1, 0) });   // of what is read, replaced at once
+    ArchiveForPython(ar, own);
+    crack = own;
+  }
+
+  static ngcore::RegisterClassForArchive<CrackFrame, CoefficientFunction> register_frame;
+  static ngcore::RegisterClassForArchive<CrackLabel, CoefficientFunction> register_label;
+  static ngcore::RegisterClassForArchive<LargerPart, CoefficientFunction> register_larger_part;
+  static ngcore::RegisterClassForArchive<CrackLimit, CoefficientFunction> register_limit;
+  static ngcore::RegisterClassForArchive<CrackSide, CoefficientFunction> register_side;
 
   CrackFrame :: CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent)
     : CoefficientFunctionNoDerivative(2), body(abody), tangent(atangent) { }
@@ -34,7 +93,16 @@ namespace ngsxfem_contact
   double CrackLabel :: At (size_t element, Point x) const
   {
     auto cut = body->Find(element);
-    return cut ? label(cut->SidesAt(x)) : 0;
+    if (!cut) return 0;
+    auto here = cut->SidesAt(x);
+    switch (label)
+      {
+      case Label::LargerSide: return here.larger_side;
+      case Label::CrackNumber: return double(here.crack);
+      case Label::LargerIsPlus: return here.Larger() == here.plus;
+      case Label::LargerIsMinus: return here.Larger() == here.minus;
+      }
+    return 0;
   }
 
   double CrackLabel :: Evaluate (const BaseMappedIntegrationPoint & ip) const
@@ -102,13 +170,13 @@ namespace ngsxfem_contact
   double CrackSide :: Evaluate (const BaseMappedIntegrationPoint & ip) const
   {
     auto x = ip.GetPoint();
-    return int(crack.SideOf(Point(x(0), x(1))));
+    return int(crack->SideOf(Point(x(0), x(1))));
   }
 
   void CrackSide :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
   {
     auto x = mir.GetPoints();
     for (size_t i = 0; i < mir.Size(); i++)
-      values(0, i) = SIMD<double>([&] (int lane) { return double(int(crack.SideOf(Point(x(i,0)[lane], x(i,1)[lane])))); });
+      values(0, i) = SIMD<double>([&] (int lane) { return double(int(crack->SideOf(Point(x(i,0)[lane], x(i,1)[lane])))); });
   }
 }

@@ -1,10 +1,10 @@
 #pragma once
 // The unit normal and tangent of the nearest point of Γ_C, what is known of it, and the side of a point, as coefficient functions.
 // A body is asked as a CutGeometry only, by its final type, so that no call in a loop over points is virtual.
+// Their archives are those of pickle: body and crack go into them as objects of Python, so that what is read again shares them.
 
 #include "cut/cracked_mesh.hpp"
 #include <coefficient.hpp>
-#include <functional>
 
 namespace ngsxfem_contact
 {
@@ -16,7 +16,8 @@ namespace ngsxfem_contact
     shared_ptr<const CrackedMesh> body;
     bool tangent;
   public:
-    CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent);
+    CrackFrame (shared_ptr<const CrackedMesh> abody = nullptr, bool atangent = false);
+    void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
@@ -25,14 +26,17 @@ namespace ngsxfem_contact
     Point At (size_t element, Point x) const;
   };
 
+  /// What a CrackLabel tells: the side of the larger part (±1), the number of the crack, whether the larger part is that of the plus or of the minus side.
+  enum class Label { LargerSide, CrackNumber, LargerIsPlus, LargerIsMinus };
+
   /// A number that belongs to a point of Γ_C; 0 in elements that no crack meets.
   class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
   {
-    using Label = std::function<double(const CrackSides &)>;
     shared_ptr<const CrackedMesh> body;
     Label label;
   public:
-    CrackLabel (shared_ptr<const CrackedMesh> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
+    CrackLabel (shared_ptr<const CrackedMesh> abody = nullptr, Label alabel = Label::LargerSide) : CoefficientFunctionNoDerivative(1), body(abody), label(alabel) { }
+    void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
@@ -45,7 +49,8 @@ namespace ngsxfem_contact
   {
     shared_ptr<const CrackedMesh> body;
   public:
-    explicit LargerPart (shared_ptr<const CrackedMesh> abody) : CoefficientFunctionNoDerivative(1), body(abody) { }
+    explicit LargerPart (shared_ptr<const CrackedMesh> abody = nullptr) : CoefficientFunctionNoDerivative(1), body(abody) { }
+    void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
@@ -59,9 +64,11 @@ namespace ngsxfem_contact
   {
     shared_ptr<const CrackedMesh> body;
     shared_ptr<CoefficientFunction> function;
-    int side;
+    int side = 0;
   public:
+    CrackLimit () : CoefficientFunctionNoDerivative(1) { }
     CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside);
+    void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
@@ -70,9 +77,10 @@ namespace ngsxfem_contact
   /// H of one crack: +1 on its plus side, -1 on its minus side.
   class CrackSide : public ngfem::CoefficientFunctionNoDerivative
   {
-    Crack crack;
+    std::optional<Crack> crack;               // empty until it is read from an archive
   public:
-    explicit CrackSide (Crack acrack) : CoefficientFunctionNoDerivative(1), crack(std::move(acrack)) { }
+    explicit CrackSide (std::optional<Crack> acrack = {}) : CoefficientFunctionNoDerivative(1), crack(std::move(acrack)) { }
+    void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;

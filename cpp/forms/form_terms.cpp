@@ -40,5 +40,21 @@ namespace ngsxfem_contact
     return terms;
   }
 
+  TermPlace PlaceOf (const FormTerm & term)
+  {
+    auto cut = dynamic_pointer_cast<CutIntegral>(term.integral);
+    if (!cut) throw ngcore::Exception("a term over a measure of NGSolve is none of a body");
+    return { term.body, cut->GetMeasure().kind, term.vb, term.integral->dx.bonus_intorder, term.elements, term.regions };
+  }
+
+  FormTerm TermAt (const TermPlace & place, shared_ptr<CoefficientFunction> integrand)
+  {
+    CutDifferentialSymbol dx(Measure { place.body, place.kind }, place.vb);
+    dx.bonus_intorder = place.bonus_intorder;
+    dx.definedonelements = place.elements;
+    if (place.regions) dx.definedon = *place.regions;
+    return TermOf(dx.MakeIntegral(integrand));
+  }
+
   string OperatorName (const ProxyFunction & proxy) { return proxy.Evaluator()->Name(); }
 }

@@ -21,6 +21,19 @@ namespace ngsxfem_contact
 
   std::vector<FormTerm> TermsOf (const SumOfIntegrals & form);
 
+  /// The term of an integrand over the measure of another term: what is needed to write a term down and to make it again.
+  struct TermPlace
+  {
+    shared_ptr<const CrackedMesh> body;
+    RuleKind kind;
+    VorB vb;
+    int bonus_intorder;
+    shared_ptr<ngcore::BitArray> elements, regions;
+  };
+
+  TermPlace PlaceOf (const FormTerm & term);
+  FormTerm TermAt (const TermPlace & place, shared_ptr<CoefficientFunction> integrand);
+
   /// The name of the differential operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ...
   string OperatorName (const ProxyFunction & proxy);
 }

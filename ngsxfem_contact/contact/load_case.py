@@ -1,16 +1,18 @@
 """What acts on a body and is given at its supports, at one moment; and the same with the displacements eliminated."""
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..algebra.elimination import ReducedVector
 from ..loads.load import LoadTerms
+from ..pickling import packed, unpacked
 from .checks import check_load
 from .contact_system import GivenTraction
 
 if TYPE_CHECKING:
+    from .._ngsxfem_contact import CrackFESpace
     from .problem import ContactProblem
 
 
@@ -33,6 +35,23 @@ class LoadCase:
         self.F, self.load = problem.f.Vector(), LoadTerms.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
         check_load(self.F, self.given)
+
+
+@dataclass(frozen=True)
+class SolvedCase:
+    """What a solution on V keeps of its load: F of (38), and the terms that it came from."""
+
+    V: "CrackFESpace"
+    F: np.ndarray
+    load: LoadTerms
+
+    def __reduce__(self) -> Any:
+        return solved_case, (self.V, packed(self.V, self.F), self.load)
+
+
+def solved_case(V: "CrackFESpace", F: np.ndarray, load: LoadTerms) -> SolvedCase:
+    """The SolvedCase that was saved."""
+    return SolvedCase(V, unpacked(V, F), load)
 
 
 @dataclass

@@ -2,13 +2,15 @@
 
 import logging
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 from ..arguments import check_number, check_type
 from ..loads.load import check_unchanged
+from ..tables import Table
 from .load_case import LoadCase
 from .options import Start, StepOptions
 from .problem import ContactProblem
+from .profile import step_values
 from .solution import ContactSolution
 from .solver import ReducedProblem
 
@@ -59,6 +61,12 @@ class LoadSteps:
         if not self.cases:
             raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")
         self.last: ContactSolution | None = None
+        self._rows: list[dict[str, Any]] = []
+
+    @property
+    def table(self) -> Table:
+        """A Table of the steps so far: the factors t, or t_0, t_1, ... of several cases, and `step_values`."""
+        return Table.OfRows(self._rows, ["t"])
 
     def Solve(
         self,
@@ -103,4 +111,6 @@ class LoadSteps:
             previous = self.last if self.reduced.problem.law.depends_on_path else None
         options = StepOptions(cone, self.last if start is None else start, max_iterations, previous)
         self.last = self.reduced.Step(options, case)
+        factors = {"t": t[0]} if len(t) == 1 else {f"t_{i}": factor for i, factor in enumerate(t)}
+        self._rows.append(factors | step_values(self.last))
         return self.last

@@ -121,6 +121,10 @@ class CrackPoints(CurveNodes):
     def __init__(self, body: CrackedMesh, number: int) -> None:
         rules = [rule(body.MeshNodes(c, True), [tip.s for tip in body.tips if tip.crack == c], number) for c in range(len(body.cracks))]
         super().__init__(body, *zip(*rules))
+        self._arguments = body, number
+
+    def __reduce__(self) -> Any:
+        return CrackPoints, self._arguments
 
     def Rows(self, V: CrackFESpace, operator: str) -> list[csr_matrix]:
         """The values of an operator of V at the points: for each of its components a sparse matrix (n, V.ndof)."""

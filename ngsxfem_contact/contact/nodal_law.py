@@ -160,6 +160,9 @@ class LawByCrack(NodalLaw):
             check_role(law, LawAtNodes, f"the law of crack {crack}: law", "a law that holds node by node, such as Joint(k_n, k_t)")
         self.depends_on_path = any(law.depends_on_path for law in (*self.laws.values(), otherwise))
 
+    def __repr__(self) -> str:
+        return f"{self.laws}, on others {self.otherwise}"
+
     @property
     def softening(self) -> Coefficient | None:
         """The sum of all."""

@@ -1,18 +1,20 @@
 """Load steps whose load factor is found: where the load-displacement curve falls, or snaps back."""
 
 import logging
+from typing import Any
 
 import numpy as np
 
 from ..algebra.face_newton import FaceProblem
 from ..algebra.face_path import FacePath, PathPoint
 from ..arguments import check_positive, check_type
+from ..tables import Table
 from .faces import FaceHistory
 from .load_case import LoadCase, ReducedCase
 from .nodal_law import NodalLaw
 from .options import StepOptions
 from .problem import ContactProblem
-from .profile import State
+from .profile import State, step_values
 from .solution import ContactSolution
 from .solver import ReducedProblem
 
@@ -31,7 +33,8 @@ class PathSteps:
     inverse
         As for ContactProblem.Solve.
     previous
-        As for ContactProblem.Solve: whose history the faces have at first; default none.
+        As for ContactProblem.Solve: whose history the faces have at first; default none. A ContactSolution of another PathSteps on the same spaces, of a file for
+        example, is where the steps go on from.
 
     Attributes
     ----------
@@ -69,9 +72,15 @@ class PathSteps:
         self.law, self.reduced = problem.law, ReducedProblem(problem, inverse)
         self.case = self.reduced.case
         self.fixed = 0 * self.case if fixed is None else self.reduced.Reduce(fixed)
-        self.t, self.first = 0.0, StepOptions(previous=previous)
-        self.last: ContactSolution | None = None
-        self._earlier: PathPoint | None = None
+        self.first, self._rows = StepOptions(previous=previous), list[dict[str, Any]]()
+        self.t, self._earlier, self.last = 0.0, None, None
+        if isinstance(previous, ContactSolution) and previous.state.path is not None and previous.problem.V is problem.V:
+            (self.t, self._earlier), self.last = previous.state.path, previous
+
+    @property
+    def table(self) -> Table:
+        """A Table of the steps so far: the factor t that was found, and `step_values`."""
+        return Table.OfRows(self._rows, ["t"])
 
     def Solve(self, step: float, max_iterations: int = StepOptions.max_iterations) -> ContactSolution:
         """The next solution; its load factor is in t.
@@ -97,6 +106,8 @@ class PathSteps:
         self.last = self.reduced.Step(StepOptions(None, found, max_iterations, begin), self.fixed + point.t * self.case)
         self.last.report.iterations += iterations
         self.t, self._earlier = point.t, path.last
+        self.last.state.path = point.t, path.last
+        self._rows.append({"t": point.t} | step_values(self.last))
         return self.last
 
     def _path(self, state: State) -> FacePath:

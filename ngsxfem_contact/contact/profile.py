@@ -10,17 +10,18 @@ import numpy as np
 from ..operators import TANGENTIAL, NormalGap, Slip
 from ..points import crack_points
 from ..protocols import Cone, Nodes
+from ..tables import Table
 from .faces import FaceHistory, FaceWork
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..algebra.face_path import PathPoint
     from .solution import ContactSolution
 
 
-@dataclass
-class CrackProfile:
-    """Arrays (n,) along a crack, in the user's units of length and stress.
+class CrackProfile(Table):
+    """A Table of n points along a crack, in the user's units of length and stress; its columns are arrays (n,).
 
     Attributes
     ----------
@@ -37,14 +38,6 @@ class CrackProfile:
     sigma_t
         λ_t with friction, see Profile.
     """
-
-    s: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    gap: np.ndarray
-    slip: np.ndarray
-    sigma_n: np.ndarray
-    sigma_t: np.ndarray
 
 
 @dataclass
@@ -65,6 +58,8 @@ class State:
         Tractions, jumps and the law's variables, for the next load step.
     work
         Of the faces in this step.
+    path
+        Of PathSteps: the load factor, and the PathPoint before, from which the next step goes on; None for other solutions.
     """
 
     nodes: Nodes
@@ -73,6 +68,7 @@ class State:
     residual: np.ndarray
     history: FaceHistory | None = None
     work: FaceWork = FaceWork()
+    path: tuple[float, PathPoint | None] | None = None
 
 
 def profile(solution: ContactSolution, crack: int, n: int) -> CrackProfile:
@@ -82,11 +78,12 @@ def profile(solution: ContactSolution, crack: int, n: int) -> CrackProfile:
     points = crack_points(body, crack, s)
     x, y = np.array([body.cracks[crack].PointAt(si) for si in s]).T
     gap, slip, sigma_n = (f(points).ravel() for f in (NormalGap(solution.u, body), Slip(solution.u, body), solution.multiplier))
+    columns = {"s": s, "x": x, "y": y, "gap": gap, "slip": slip, "sigma_n": sigma_n}
     if solution.tangential_multiplier:
-        return CrackProfile(s, x, y, gap, slip, sigma_n, solution.tangential_multiplier(points).ravel())
+        return CrackProfile.Of(columns | {"sigma_t": solution.tangential_multiplier(points).ravel()})
     # at a tip itself the terms of the stress cancel only in exact arithmetic
     inside = crack_points(body, crack, np.clip(s, 1e-6 * s[-1], (1 - 1e-6) * s[-1]))
-    return CrackProfile(s, x, y, gap, slip, sigma_n, solution.Traction(TANGENTIAL, "larger")(inside).ravel())
+    return CrackProfile.Of(columns | {"sigma_t": solution.Traction(TANGENTIAL, "larger")(inside).ravel()})
 
 
 def changes(nodes: Any, crack: int, states: np.ndarray, where: Callable[..., Any]) -> np.ndarray:
@@ -94,3 +91,18 @@ def changes(nodes: Any, crack: int, states: np.ndarray, where: Callable[..., Any
     pairs = nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack]
     a, b = states[pairs.T]
     return nodes.arclengths[pairs[(a != b) & where(a, b)]].mean(axis=1)
+
+
+def step_values(solution: ContactSolution) -> dict[str, Any]:
+    """What a table of steps says of each, without its displacement: iterations, the part of the cracks whose nodes are in contact, forces, and energies of the faces."""
+    state, report = solution.state, solution.report
+    weights, history = state.nodes.weights, state.history
+    forces = [0.0, 0.0] if history is None else [*(history.traction @ weights).tolist(), 0.0, 0.0][:2]
+    return {
+        "iterations": report.iterations,
+        "in_contact": float(weights[report.active[-1]].sum() / max(weights.sum(), np.finfo(float).tiny)),
+        "contact_force": forces[0],
+        "tangential_force": forces[1],
+        "dissipated": state.work.dissipated,
+        "stored": state.work.stored,
+    }

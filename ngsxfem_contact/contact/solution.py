@@ -10,10 +10,12 @@ from ngsolve import GridFunction, Id, Integrate
 
 from ..algebra.nodal_newton import FREE
 from ..arguments import check_regions, check_whole, crack_number
-from ..fracture import stress_intensity as fracture
+from ..description import Described
 from ..loads.load import LoadTerms, check_unchanged
 from ..operators import NORMAL
 from ..spaces.incompressible import stress, stress_power
+from .at_tips import AtTips
+from .descriptions import of_solution
 from .mixed_system import LocalPressures
 from .profile import CrackProfile, State, changes, profile
 
@@ -24,17 +26,17 @@ if TYPE_CHECKING:
     from ngsolve import CoefficientFunction
 
     from .._ngsxfem_contact import CrackedMesh
-    from ..fracture.stress_intensity import EnergyReleaseRate, StressIntensityFactors, TStress
+    from ..description import Lines
     from ..loads.face_traction import FaceTractions
     from ..loads.reactions import SupportForces, SupportResidual
     from ..operators import Component
-    from .load_case import ReducedCase
+    from .load_case import SolvedCase
     from .mixed_system import PressureField
     from .problem import ContactProblem
     from .report import Report
 
 
-class ContactSolution:
+class ContactSolution(Described, AtTips):
     """What a solve found: displacement, pressure, and what can be read from them.
 
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
@@ -43,8 +45,8 @@ class ContactSolution:
     ----------
     problem : ContactProblem
         What was solved.
-    u : GridFunction or function
-        The displacement; or a function without arguments that computes it and the SupportResidual: it is called when one of them is first used.
+    recover
+        A function without arguments that computes the displacement and the SupportResidual: it is called when one of them is first used.
     multipliers : sequence of GridFunctions
         λ, and with friction λ_t.
     report : Report
@@ -54,7 +56,7 @@ class ContactSolution:
     state : State
         For the next load step.
     case
-        The load of this step: F, and the terms it comes from.
+        The load of this step, a SolvedCase: F, and the terms it comes from.
 
     Attributes
     ----------
@@ -78,25 +80,37 @@ class ContactSolution:
     def __init__(
         self,
         problem: ContactProblem,
-        u: Any,
+        recover: Callable[[], tuple[GridFunction, SupportResidual]],
         multipliers: list[GridFunction],
         report: Report,
         gamma: CoefficientFunction,
         state: State,
-        case: ReducedCase | None = None,
+        case: SolvedCase,
     ) -> None:
-        self.problem, self._u, self.report, self.gamma, self.state = problem, u, report, gamma, state
-        self._supports: SupportResidual | None = None
+        self.problem, self._recover, self.report, self.gamma, self.state = problem, recover, report, gamma, state
         self.a = problem.a.Copy()
         self.case = case
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What pickle saves: all but what follows from it, with the displacement, which is recovered and checked now."""
+        self.u
+        return {name: value for name, value in vars(self).items() if name != "_pressure"}
+
+    def Description(self) -> Lines:
+        """What was solved, and what was found; what has not been recovered yet is not asked for."""
+        return of_solution(self)
+
     @property
     def u(self) -> GridFunction:
         """The displacement."""
-        if not isinstance(self._u, GridFunction):
-            self._u, self._supports = self._u()
-        return self._u
+        return self._found[0]
+
+    @cached_property
+    def _found(self) -> tuple[GridFunction, SupportResidual]:
+        found = self._recover()
+        del self._recover  # and what it holds, such as a factorisation
+        return found
 
     @property
     def body(self) -> CrackedMesh:
@@ -105,13 +119,12 @@ class ContactSolution:
 
     @property
     def load(self) -> LoadTerms:
-        """The LoadTerms that this was solved for; of a solution that was read from a file it is not known, and empty."""
-        return self.case.load if self.case is not None else LoadTerms()
+        """The LoadTerms that this was solved for."""
+        return self.case.load
 
     def CheckLoad(self) -> None:
         """Raises ValueError if a coefficient of the load, such as a Parameter, has another value now than in the solve."""
-        if self.case is not None:
-            check_unchanged(self.load, self.case.F, self.problem.V, "the solve")
+        check_unchanged(self.load, self.case.F, self.problem.V, "the solve")
 
     @property
     def stress(self) -> CoefficientFunction:
@@ -195,16 +208,9 @@ class ContactSolution:
         """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
 
         `total` of the table and the loads are in balance to round-off.
-
-        Raises
-        ------
-        ValueError
-            For a solution that was read from a file.
         """
-        stress = self.stress
-        if self._supports is None:
-            raise ValueError("Reactions: this solution was read from a file, which does not hold the reactions; solve the problem again")
-        return self._supports.Forces(self.problem.V, stress)
+        _, supports = self._found
+        return supports.Forces(self.stress)
 
     def Reaction(self, place: str | Sequence[float]) -> np.ndarray:
         """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
@@ -297,64 +303,12 @@ class ContactSolution:
     def _changes(self, states: np.ndarray, crack: int | str, where: Callable[..., Any] = lambda a, b: True) -> np.ndarray:
         return changes(self.state.nodes, crack_number(crack, self.body), states, where)
 
-    def StressIntensity(self, tip: int = 0, method: Any = "interaction", radius: float | None = None) -> StressIntensityFactors:
-        """K_I, K_II at a tip of `body.tips`: StressIntensityFactors, also as  K_I, K_II = solution.StressIntensity(tip).
-
-        Parameters
-        ----------
-        method
-            "interaction" (default), the interaction integral over disks around the tip, with the body force and the tractions of closed lips; "modes", the
-            coefficients of the space's modes; "jump", extrapolated jumps; or an object with Evaluate(solution, tip): InteractionIntegral, ModeCoefficients,
-            JumpExtrapolation.
-        radius
-            Of the largest disk, in the unit of length; default eight elements, less where there is no room.
-
-        Raises
-        ------
-        ValueError
-            For a disk that does not fit, for a method that the space does not allow, and for a load on derivatives of the test function.
-
-        Notes
-        -----
-        The crack may bend inside the disk; ∂Ω and other cracks must be outside. The material is the same in the disk, and coefficients of the load (such as a
-        Parameter) have the values of the solve.
-        """
-        return fracture.stress_intensity(self, tip, method, radius)
-
-    def EnergyReleaseRate(self, tip: int = 0, radius: float | None = None) -> EnergyReleaseRate:
-        """G at a tip by the J-integral over disks, and by Irwin from K_I, K_II; see EnergyReleaseRate of `fracture`.
-
-        J is quadratic in u: with P1 on coarse meshes Irwin's value is the better one. Raises as StressIntensity.
-
-        Parameters
-        ----------
-        radius : float
-            Of the largest disk, a length; default eight elements, less where there is no room.
-        """
-        return fracture.energy_release_rate(self, tip, radius)
-
-    def TStress(self, tip: int = 0, radius: float | None = None) -> TStress:
-        """The T-stress at a tip, by an interaction integral with the field of a force in the tip: a TStress, float(...) is its value.
-
-        It is the constant part of σ_ee, e the direction ahead: with given stresses, pressure on the faces and contact. radius: as for StressIntensity.
-
-        Raises as StressIntensity.
-
-        Parameters
-        ----------
-        radius : float
-            Of the largest disk, a length; default eight elements, less where there is no room.
-        """
-        return fracture.t_stress(self, tip, radius)
-
     def VonMises(self) -> CoefficientFunction:
         """The von Mises stress, a CoefficientFunction: σ_zz = 0 in plane stress, ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
         return self.problem.material.VonMises(self.stress, self.problem.temperature)
 
     def PotentialEnergy(self) -> float:
         """Π = ½ a(u, u) + FaceEnergy() - L(u), springs and given stresses included. Without dissipation on the faces G = -dΠ/da, a the length of the crack."""
-        if self.case is None:
-            raise ValueError("PotentialEnergy: this solution was read from a file, which does not hold the load; solve the problem again")
         U = self.u.vec.FV().NumPy()
         return self.Energy() + self.FaceEnergy() + float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
 
@@ -372,17 +326,12 @@ class ContactSolution:
         return draw(self, **options)
 
     def SaveVTK(self, path: str | Path) -> str:
-        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name.
+        """Writes displacement and stresses with the crack open, as a .vtu file for ParaView; returns its name. The file appears when it is complete.
 
         Parameters
         ----------
         path
-            The ending is added if it is missing. The file appears when it is complete.
-
-        Returns
-        -------
-        str
-            The name of the file, which appears when it is complete.
+            The ending is added if it is missing.
 
         Raises
         ------
@@ -394,3 +343,48 @@ class ContactSolution:
         from ..plotting.plots import save_vtk
 
         return save_vtk(self, path)
+
+    def Save(self, path: str | Path) -> Path:
+        """Writes the solution with all that it was made of to one file, which Load reads in another process; returns its path.
+
+        Body, spaces, coefficients, loads, supports, material, law and history of the faces, and the report are in it: K, energies, reactions, pictures,
+        `previous=` of the next load step and growth go on from what is read. The file appears when it is complete.
+
+        Parameters
+        ----------
+        path
+            Of the file, with any ending.
+
+        Raises
+        ------
+        NotSaved
+            For what cannot be saved, by name, before anything is written: a function of Python as a law or a coefficient, or a coefficient that NGSolve would
+            read back as another one.
+        NotConverged
+            As `u`, where it is used first.
+        FileNotFoundError, OSError
+            If there is no such folder, or the disk is full.
+        """
+        from .saved import save
+
+        return save(self, path)
+
+    @staticmethod
+    def Load(path: str | Path) -> ContactSolution:
+        """The solution that Save wrote, with its problem, spaces and body; its numbers are those that were saved.
+
+        Parameters
+        ----------
+        path
+            Of the file. It is read by pickle, which runs what a file asks for: read files that you trust.
+
+        Raises
+        ------
+        UnreadableFile
+            For a file of another kind or format, one that is not complete, one of another version of NGSolve, and one whose spaces cannot be made again.
+        FileNotFoundError
+            If there is none.
+        """
+        from .saved import load
+
+        return load(path)

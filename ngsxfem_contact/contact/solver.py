@@ -23,7 +23,7 @@ from .contact_system import ContactSystem
 from .faces import FaceHistory, Faces, Scales
 from .free_motions import PinnedMotions
 from .friction import transformation
-from .load_case import LoadCase, ReducedCase
+from .load_case import LoadCase, ReducedCase, SolvedCase
 from .nodal_law import gives_way
 from .options import StepOptions
 from .profile import State
@@ -152,7 +152,9 @@ class ReducedProblem:
             found = self._nodal_solution(options, case, cone, report)
         recover, state = lambda: self._recover(found, report), self._state(found)
         report.work = state.work
-        return ContactSolution(problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, case)
+        return ContactSolution(
+            problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, SolvedCase(problem.V, case.F, case.load)
+        )
 
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
         T, balance = self.Signs(cone)
@@ -227,7 +229,7 @@ class ReducedProblem:
             check_converged(report)
             u.vec.FV().NumPy()[:] = U
         exerted = self.system.Stiffness(U) - found.case.forces - self.system.Forces(found.L)
-        return u, SupportResidual(*self.supports, exerted, -self.problem.a.Forces(u))
+        return u, SupportResidual(self.problem.V, *self.supports, exerted, -self.problem.a.Forces(u))
 
     def _measure(self, found: NodalSolution, U: np.ndarray, report: Report) -> None:
         """The residual of (38) and the complementarity of a solution, into the report."""

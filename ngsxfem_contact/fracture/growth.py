@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import logging
 from dataclasses import dataclass
 from math import degrees
@@ -14,9 +13,9 @@ import numpy as np
 from .._ngsxfem_contact import Crack, CrackedMesh
 from ..arguments import check_number, check_whole
 from ..errors import SingularSystem
-from ..files import write_whole
 from ..protocols import CrackInitiation, GrowthCriterion, GrowthLaw, members
 from ..spaces.resolution import warn_of_short_increment
+from ..tables import Table
 from .extension import ENDS, ROOM, arrival_of, check_room, extended, tip_number, turned, with_crack
 from .growth_laws import MaximumHoopStress
 from .stress_intensity import is_closed
@@ -144,7 +143,7 @@ class CrackGrowth:
         self._cut = {}  # by (crack, end): where it went through ∂Ω
         self._warned, self._count = False, 0  # whether of short increments; the number of states so far
 
-    def Run(self, steps: int) -> np.ndarray:
+    def Run(self, steps: int) -> Table:
         """At most so many states, until no tip grows and nothing starts; returns the table. Raises what a solve raises; what was done before is kept.
 
         Parameters
@@ -292,10 +291,9 @@ class CrackGrowth:
         return True
 
     @property
-    def table(self) -> np.ndarray:
-        """A numpy structured array with the fields of TipStep, one row for each state and tip, and for each crack that starts."""
-        types = [(name, "U200" if f.type == "str" else f.type) for name, f in TipStep.__dataclass_fields__.items()]
-        return np.array([tuple(vars(row).values()) for row in self.rows], dtype=types)
+    def table(self) -> Table:
+        """A Table with the fields of TipStep, one row for each state and tip, and for each crack that starts."""
+        return Table.OfRows(map(vars, self.rows), TipStep.__dataclass_fields__)
 
     def __str__(self) -> str:
         called = [r.name or str(r.crack) for r in self.rows]
@@ -315,13 +313,7 @@ class CrackGrowth:
         path : str
             The file.
         """
-        table = self.table
-
-        def write(temporary: Path) -> None:
-            with open(temporary, "w", newline="") as file:
-                csv.writer(file).writerows([[*(table.dtype.names or ())], *table.tolist()])
-
-        return write_whole(Path(path), write)
+        return self.table.SaveCSV(path)
 
     def Animate(self, path: str | Path, scale: float | None = None, seconds: float = 0.5) -> str:
         """Writes the opened body of every state as an animated GIF (needs matplotlib with pillow); returns the path.

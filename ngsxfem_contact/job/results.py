@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from ..contact.profile import CrackProfile
+from ..contact.at_tips import tip_row
 from ..files import write_whole
 from ..plotting.plots import plot_body, plot_profile, pyplot
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
 
     from ..contact.solution import ContactSolution
     from .part import Part
+
 
 FACTOR_KEYS = ("K_I", "K_II", "error", "method", "G", "note")
 
@@ -64,30 +64,10 @@ def numbers_of_step(solution: ContactSolution) -> dict[str, Any]:
 
 
 def factors_of(solution: ContactSolution, tip: int) -> dict[str, Any]:
-    """K and G at a tip by domain integrals; where their disks have no room K from the modes; None, and why, where there is neither."""
-    found = dict.fromkeys(FACTOR_KEYS)
-    try:
-        found |= factors_by(solution, tip, "interaction")
-        found["G"] = solution.EnergyReleaseRate(tip).G
-    except ValueError as reason:
-        found["note"] = str(reason)
-        if found["K_I"] is None:
-            found |= factors_from_modes(solution, tip)
-    return found
-
-
-def factors_from_modes(solution: ContactSolution, tip: int) -> dict[str, Any]:
-    """K from the coefficients of the modes; nothing where the space has none."""
-    try:
-        return factors_by(solution, tip, "modes")
-    except ValueError:
-        return {}
-
-
-def factors_by(solution: ContactSolution, tip: int, method: str) -> dict[str, Any]:
-    """K by one method."""
-    K = solution.StressIntensity(tip, method)
-    return {"K_I": K.K_I, "K_II": K.K_II, "error": None if K.error != K.error else K.error, "method": method}
+    """K and G at a tip, None where they cannot be told, and a note that says why, or None."""
+    row = tip_row(solution, tip)
+    known = lambda value: value if value == value and value != "" else None
+    return {name: known(row[name]) for name in FACTOR_KEYS}
 
 
 # For people
@@ -169,11 +149,12 @@ def write_profiles(path: Path, part: Part, solutions: list[ContactSolution]) -> 
     options = {"n": part.output["points"]} if "points" in part.output else {}
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["factor", "crack", *(field.name for field in fields(CrackProfile))])
-        for factor, solution in zip(part.factors or [1], solutions, strict=True):
-            for number, crack in enumerate(solution.body.cracks):
-                profile = solution.Profile(number, **options)
-                writer.writerows([factor, crack.name or number, *row] for row in zip(*(getattr(profile, field.name).tolist() for field in fields(profile))))
+        for number, (factor, solution) in enumerate(zip(part.factors or [1], solutions, strict=True)):
+            for crack, curve in enumerate(solution.body.cracks):
+                profile = solution.Profile(crack, **options)
+                if number == crack == 0:
+                    writer.writerow(["factor", "crack", *(profile.dtype.names or ())])
+                writer.writerows([factor, curve.name or crack, *row] for row in profile.tolist())
 
 
 def write_pictures(solution: ContactSolution, folder: Path) -> Iterator[Any]:

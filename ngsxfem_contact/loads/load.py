@@ -64,6 +64,9 @@ class LoadForm(LinearForm):
         self.given += given
         return self
 
+    def __reduce__(self) -> Any:
+        return form_of, (self.V, [given.form if isinstance(given, PointLoad) else given.term for given in self.given])
+
     def _checked(self, form: Any) -> list[GivenTerm]:
         terms = checked_terms(form, self.V, NAME_F)
         if any(term.trial for term in terms):
@@ -96,6 +99,14 @@ class LoadForm(LinearForm):
         raise TypeError(f"{NAME_F} cannot be replaced by {form!r}; add terms to it, {NAME_F} += ..., or begin anew by {NAME_F} = LinearForm(problem.V)")
 
 
+def form_of(V: CrackFESpace, terms: list[Any]) -> LoadForm:
+    """The LoadForm of FormTerms and point loads."""
+    form = LoadForm(V)
+    for term in terms:
+        form += term if isinstance(term, fem.PointEvaluationFunctional) else term.form
+    return form
+
+
 class PointLoad:
     """A force in a point, v[1](x, y)."""
 
@@ -103,6 +114,9 @@ class PointLoad:
 
     def __init__(self, functional: fem.PointEvaluationFunctional) -> None:
         self.form, self.point = functional, core.PointOf(functional)
+
+    def __reduce__(self) -> Any:
+        return PointLoad, (self.form,)
 
     def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """0: domains of integration keep clear of the point."""
@@ -124,6 +138,9 @@ class GivenTerm:
 
     def __init__(self, term: FormTerm) -> None:
         self.term, self.form, self.place = term, term.form, place_of(term)
+
+    def __reduce__(self) -> Any:
+        return GivenTerm, (self.term,)
 
     @cached_property
     def tractions(self) -> FaceTractions | None:
@@ -159,6 +176,9 @@ class LoadTerms:
     """Σ factor · given: what a solution was solved for, whatever is added to the problem's forms later."""
 
     parts: tuple[tuple[float, PointLoad | GivenTerm], ...] = ()
+
+    def __reduce__(self) -> Any:
+        return LoadTerms, (self.parts,)
 
     @staticmethod
     def Of(form: LoadForm) -> LoadTerms:

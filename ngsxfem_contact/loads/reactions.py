@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import BND, ElementId, GridFunction, x, y
 
+from ..pickling import dofs_of, numbers_of, packed, unpacked
 from ..spaces.unknowns import Unknowns
+from ..tables import Table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,6 +73,12 @@ class SupportForces(list[SupportForce]):
     """SupportForce rows; prints as a table."""
 
     @property
+    def table(self) -> Table:
+        """A Table with a row for each support: its name, F_x, F_y and moment. `total` is not among them."""
+        forces = np.array([row.force for row in self]).reshape(-1, 2)
+        return Table.Of({"support": [row.name for row in self], "F_x": forces[:, 0], "F_y": forces[:, 1], "moment": [row.moment for row in self]})
+
+    @property
     def total(self) -> SupportForce:
         """The SupportForce of all: minus the resultant of the loads."""
         return SupportForce("all", sum((row.force for row in self), np.zeros(2)), sum(row.moment for row in self))
@@ -122,6 +130,8 @@ class SupportResidual:
 
     Parameters
     ----------
+    V : CrackFESpace
+        Of the solution.
     holders, edges
         What held it, and CornerEdges.
     exerted
@@ -130,17 +140,25 @@ class SupportResidual:
         What the terms of problem.a exert.
     """
 
+    V: CrackFESpace
     holders: list[Holder]
     edges: list[CornerEdge]
     exerted: np.ndarray
     springs: np.ndarray
 
-    def Forces(self, V: CrackFESpace, stress: CoefficientFunction) -> SupportForces:
+    def __reduce__(self) -> Any:
+        V = self.V
+        numbers = numbers_of(V, *(holder.dofs for holder in self.holders))
+        holders = [replace(holder, dofs=own) for holder, own in zip(self.holders, numbers)]
+        return residual_of, (V, holders, self.edges, packed(V, self.exerted), packed(V, self.springs))
+
+    def Forces(self, stress: CoefficientFunction) -> SupportForces:
         """The SupportForces; stress: σ(u), which says how the force on a corner is divided.
 
         A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i and Σ y_i φ_i, and neither has a jump: their products
         with the residual are forces and moment, and only φ_i count.
         """
+        V = self.V
         whole = Holder("springs and joints", np.arange(Unknowns(V).polynomial.stop)) if self.springs.any() else None
         held = [*zip(self.holders, self._divided(V, stress)), *([(whole, self.springs[whole.dofs])] if whole else [])]
         coordinates = interpolated_coordinates(V)
@@ -165,6 +183,13 @@ class SupportResidual:
             for k in range(2):
                 tractions[edge.name, unknowns.Polynomial(k).start + edge.vertex] += 0.5 * sigma[k] @ edge.normal
         return tractions
+
+
+def residual_of(V: CrackFESpace, holders: list[Holder], edges: list[CornerEdge], exerted: np.ndarray, springs: np.ndarray) -> SupportResidual:
+    """The SupportResidual that was saved: arrays and the unknowns of holders in the order of `pickling.numbering`."""
+    dofs = dofs_of(V, *(holder.dofs for holder in holders))
+    held = [replace(holder, dofs=own) for holder, own in zip(holders, dofs)]
+    return SupportResidual(V, held, edges, unpacked(V, exerted), unpacked(V, springs))
 
 
 def corner_edge(mesh: Mesh, name: str, boundary_element: int, vertex: int) -> CornerEdge | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ import scipy
 from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, LinearForm, NodeId, Parameter
 
 from ..arguments import check_function, check_regions, check_type
+from ..pickling import dofs_of, numbers_of
 from ..points import crack_points
 from ..spaces.unknowns import Unknowns
 from .boundary_samples import BoundarySamples
@@ -72,6 +73,11 @@ class Supports:
             if V.HeldRegions(k)[region]
         }
         self.sides, self.pins = dict(self._declared), {}
+
+    def __reduce__(self) -> Any:
+        numbers = numbers_of(self.V, *(side.dofs for side in self.sides.values()))
+        sides = {key: replace(side, dofs=own) for (key, side), own in zip(self.sides.items(), numbers)}
+        return supports_of, (self.V, sides, list(self.pins.values()))
 
     @property
     def pinned(self) -> list[int]:
@@ -232,6 +238,15 @@ class Supports:
                     )
                     + "which no displacement fulfils: give a jump that is not negative there, an initial gap, or leave this part of the boundary free"
                 )
+
+
+def supports_of(V: CrackFESpace, sides: dict[tuple[int, int], HeldSide], pins: list[tuple[int, int, float]]) -> Supports:
+    """The Supports that were saved: their unknowns in the order of `pickling.numbering`."""
+    supports, dofs = Supports(V), dofs_of(V, *(side.dofs for side in sides.values()))
+    supports.sides = {key: replace(side, dofs=own) for (key, side), own in zip(sides.items(), dofs)}
+    supports.pins = {V.GetDofNrs(NodeId(VERTEX, pin[0]))[pin[1]]: pin for pin in pins}
+    supports._apply()
+    return supports
 
 
 def largest(side: HeldSide) -> float:

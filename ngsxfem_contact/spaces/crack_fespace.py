@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _ngsxfem_contact as core
 from ..arguments import INFINITY, check_number, check_positive, check_regions, check_type, check_whole
+from ..description import Described, numbered
 from ..errors import warn
 from ..material import Elasticity, Isotropic
 from ..points import place
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from .._ngsxfem_contact import CrackedMesh, Tip, TipSpec
+    from ..description import Lines
 
 UNKNOWN = Elasticity.PlaneStrain(E=2.6, nu=0.3)  # μ = 1: the modes at a tip until its material is known
 
@@ -114,7 +116,7 @@ class TipEnrichment:
         return self.material is None and self.functions is None
 
 
-class CrackFESpace(core.CrackFESpace):
+class CrackFESpace(Described, core.CrackFESpace):
     """V_h = {Σ a_i φ_i + Σ_{N_H} b_i H φ_i + χ Σ c_j F_j}: vector-valued, one FESpace.
 
     N_H are the functions with completely cut support. They are stored as ½(H - s_i) φ_i, s_i the sign of the larger
@@ -190,6 +192,20 @@ class CrackFESpace(core.CrackFESpace):
         self.undecided = [number for number, enrichment in enumerate(tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
         warn_of_undecided(body, self.undecided)
         warn_of_coarse(body, specs, material)
+
+    def Description(self) -> Lines:
+        """Order, unknowns, and the material."""
+        at_tips = sum(len(self.TipDofs(tip)) for tip in range(len(self.body.tips)))
+        unknowns = f"{self.ndof}, of them {numbered(2 * self.num_heaviside, 'Heaviside function')} and {at_tips} at {numbered(len(self.body.tips), 'tip')}"
+        return [("order", str(self.order)), ("unknowns", unknowns), ("material", str(self.material))]
+
+    def __getstate__(self) -> Any:
+        return super().__getstate__(), self.material, self.undecided
+
+    def __setstate__(self, state: Any) -> None:
+        of_core, material, undecided = state
+        super().__setstate__(of_core)
+        self.material, self.undecided = material, undecided
 
 
 def tip_enrichments(tip: Any, body: CrackedMesh, material: Isotropic | None) -> list[TipFunctions | None]:

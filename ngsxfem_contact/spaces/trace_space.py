@@ -12,15 +12,17 @@ from ngsolve import BilinearForm, CoefficientFunction, GridFunction, LinearForm
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
 from ..arguments import check_type, check_whole
+from ..description import Described, numbered
 from .nodes import CurveNodes
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
     from .._ngsxfem_contact import CrackedMesh
+    from ..description import Lines
 
 
-class TraceSpace(core.TraceSpace):
+class TraceSpace(Described, core.TraceSpace):
     """W_h on the cracks: order 0 one constant for each interval, order ≥ 1 continuous.
 
     Parameters
@@ -70,6 +72,11 @@ class TraceSpace(core.TraceSpace):
         """Where signs are taken, the TraceNodes: of order 0 the middles of the intervals. Raises ValueError as these do."""
         return TraceNodes(self)
 
+    def Description(self) -> Lines:
+        """Order, basis, and unknowns."""
+        basis = "nodal" if isinstance(self.basis, core.NodalTraceBasis) else "traces of functions of the mesh"
+        return [("order", str(self.order)), ("basis", basis), ("unknowns", f"{self.ndof} on {numbered(len(self.body.cracks), 'crack')}")]
+
     def NodalPositions(self) -> list[np.ndarray]:
         """For each crack the arc lengths of the nodes."""
         nodes = self.basis.Nodes()
@@ -84,6 +91,9 @@ class TraceNodes(CurveNodes):
         self.W = W
         if W.ndof != len(self):
             raise ValueError(f"TraceSpace: {W.ndof} independent traces for {len(self)} nodes, so nodal signs do not fit; use basis='nodal'")
+
+    def __reduce__(self) -> Any:
+        return TraceNodes, (self.W,)
 
     @cached_property
     def functions(self) -> np.ndarray:

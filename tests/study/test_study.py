@@ -103,7 +103,7 @@ def test_damaged_lines_are_named(tmp_path, line):
 
 def test_a_damaged_reference_is_named(tmp_path, few_pairs):
     tiny_study(tmp_path).Run()
-    (path,) = tmp_path.glob("reference-5-*.pickle")
+    (path,) = tmp_path.glob("reference-5-*.solution")
     path.write_bytes(path.read_bytes()[:1000])
     with pytest.raises(UnreadableFile, match="reference-5-.*is no reference solution .*; delete it"):
         tiny_study(tmp_path).Run()
