@@ -351,7 +351,7 @@ class Tip:
         """Its arc length: 0 or the length of the crack."""
 
 class CrackedMesh:
-    """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges."""
+    """A mesh with its cracks; ngsxfem_contact.CrackedMesh says more."""
 
     @staticmethod
     def _repr_html_(body: CrackedMesh) -> str:

@@ -1,8 +1,55 @@
 """Cracks, the body that they cut, and what these answer with."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import _ngsxfem_contact as core
 from . import curves  # noqa: F401  gives Crack its curves
-from ._ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind, Side
+from ._ngsxfem_contact import Crack, ElementKind, EndKind, Side
 from .description import as_html, as_text, of_body
+from .processes import check_one_process
+
+if TYPE_CHECKING:
+    from ngsolve import Mesh
+
+__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "Side"]
+
+
+class CrackedMesh(core.CrackedMesh):
+    """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
+
+    Parameters
+    ----------
+    mesh
+        Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the
+        body is refused then; build a new CrackedMesh. What is built on a body does not change it.
+    *cracks
+        The Cracks, one by one; without any it is the body as it was. An argument that asks for one of them takes its number, from 0, or its name.
+
+    Raises
+    ------
+    Exception
+        For two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch
+        or touch without crossing.
+    NotImplementedError
+        Under mpirun with several processes.
+
+    Notes
+    -----
+    An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:
+    `notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a
+    mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:
+    body.ds("left|right").
+    """
+
+    def __init__(self, mesh: Mesh, *cracks: Any) -> None:
+        check_one_process(getattr(mesh, "comm", None), "CrackedMesh")
+        super().__init__(mesh, *cracks)
+
+    def __setstate__(self, state: Any) -> None:
+        check_one_process(None, "CrackedMesh")
+        super().__setstate__(state)  # type: ignore[misc]
 
 
 def described(body: CrackedMesh) -> str:
@@ -15,7 +62,5 @@ def described_in_notebooks(body: CrackedMesh) -> str:
     return as_html("CrackedMesh", of_body(body))
 
 
-CrackedMesh.__repr__ = described  # type: ignore
-CrackedMesh._repr_html_ = described_in_notebooks  # type: ignore
-
-__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "Side"]
+core.CrackedMesh.__repr__ = described  # type: ignore
+core.CrackedMesh._repr_html_ = described_in_notebooks  # type: ignore

@@ -167,17 +167,7 @@ static shared_ptr<CrackedMesh> MakeCrackedMesh (shared_ptr<MeshAccess> mesh, con
 static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
-      "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n"
-      "\nParameters\n----------\nmesh\n"
-      "    Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the\n"
-      "    body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n*cracks\n"
-      "    The Cracks, one by one; without any it is the body as it was. An argument that asks for one of them takes its number, from 0, or its name.\n\nRaises\n------\nException\n"
-      "    For two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch or touch without\n"
-      "    crossing.\n\nNotes\n-----\n"
-      "An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:\n"
-      "`notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a\n"
-      "mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:\n"
-      "body.ds(\"left|right\").")
+      "A mesh with its cracks; ngsxfem_contact.CrackedMesh says more.")
     .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
                   {
                     std::vector<Crack> all;
