@@ -8,7 +8,7 @@ from . import _ngsxfem_contact as core
 from . import curves  # noqa: F401  gives Crack its curves
 from ._ngsxfem_contact import Crack, ElementKind, EndKind, Side
 from .description import as_html, as_text, of_body
-from .processes import check_one_process
+from .share import share_of
 
 if TYPE_CHECKING:
     from ngsolve import Mesh
@@ -44,12 +44,12 @@ class CrackedMesh(core.CrackedMesh):
     """
 
     def __init__(self, mesh: Mesh, *cracks: Any) -> None:
-        check_one_process(getattr(mesh, "comm", None), "CrackedMesh")
-        super().__init__(mesh, *cracks)
+        self.share = share_of(mesh, cracks)
+        super().__init__(self.share.mesh, *cracks, is_part=self.share.several)
 
     def __setstate__(self, state: Any) -> None:
-        check_one_process(None, "CrackedMesh")
         super().__setstate__(state)  # type: ignore[misc]
+        self.share = share_of(self.mesh, self.cracks)
 
 
 def described(body: CrackedMesh) -> str:

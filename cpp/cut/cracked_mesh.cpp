@@ -8,14 +8,14 @@ namespace ngsxfem_contact
   MeshState :: MeshState (MeshAccess & mesh)
     : num_elements(mesh.GetNE(VOL)), num_vertices(mesh.GetNV()), curve_order(mesh.GetCurveOrder()), deformed(mesh.GetDeformation() != nullptr) { }
 
-  CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks)
+  CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks, bool is_part)
     : mesh(amesh), located_in(*amesh), cracks(std::move(acracks))
   {
     if (located_in.deformed)
       throw Exception("CrackedMesh: the mesh is moved by SetDeformation, which cracks and rules know nothing of; build a mesh of the moved body");
     CheckNames();
     CheckTriangles(*mesh);
-    BodyBoundary boundary(*mesh);
+    BodyBoundary boundary(*mesh, is_part);
     for (size_t c = 0; c < cracks.size(); c++) cracks[c] = FittedToBody(cracks[c], c, boundary, notes);
     FitToEachOther(cracks, *mesh, boundary, notes);
     LocateCracks(AllMeetings(cracks, boundary.Tolerance()));
