@@ -184,6 +184,10 @@ class Processes:
         """The values of all, in their order."""
         return self.comm.allgather(value) if self.several else [value]
 
+    def FromFirst(self, value: T) -> T:
+        """That of the first process: what all have computed for themselves may differ by round-off, and must not lead them to different decisions."""
+        return self.comm.bcast(value) if self.several else value
+
     def Together(self, action: Callable[[], T]) -> T:
         """What action() returns, which must not wait for others; an exception on one process is raised on all."""
         return together(self.comm, action)

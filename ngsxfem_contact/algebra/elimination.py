@@ -171,7 +171,7 @@ class Elimination:
         self.border_scale = unit_scale(np.diag(matrix))  # tips with different functions have unknowns of different units
         self.border_matrix = matrix * self.border_scale * self.border_scale[:, None]
         self.coupling = self.exchange.Sum(self.C[:, self.border].toarray()) - schur[t:, :t]
-        self.S = schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T)
+        self.S = self.exchange.FromFirst(schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T))
         self.positive = self.factors.positive and bool(np.all(np.linalg.eigvalsh(self.border_matrix) > 0))
 
     def _at_border(self, forces: np.ndarray) -> np.ndarray:
@@ -182,7 +182,7 @@ class Elimination:
         t = len(self.border)
         coupled = self.factors.Couple(rhs)
         border = self.exchange.Sum(rhs[self.border]) - coupled[:t]
-        return ReducedVector(rhs, border, coupled[t:] + self.coupling @ self._at_border(border))
+        return ReducedVector(rhs, border, self.exchange.FromFirst(coupled[t:] + self.coupling @ self._at_border(border)))
 
     def Recover(self, reduced: ReducedVector, L: np.ndarray | None = None) -> np.ndarray:
         """A⁻¹(F + CᵀL) of a ReducedVector; zero on fixed unknowns."""

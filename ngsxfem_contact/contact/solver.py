@@ -162,7 +162,10 @@ class ReducedProblem:
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
         T, balance = self.Signs(cone)
         faces = self.Faces(cone, self._history(options.previous, cone), case)
-        found = self.problem.law.Solve(balance.compliance.matrix, self.RightSide(case, cone), faces, self._first_set(options), report, options.max_iterations)
+        arguments = self.RightSide(case, cone), faces, self._first_set(options), report, options.max_iterations
+        found = self.exchange.Together(lambda: self.problem.law.Solve(balance.compliance.matrix, *arguments))
+        found, reported = self.exchange.FromFirst((found, vars(report)))
+        vars(report).update({name: value for name, value in reported.items() if name != "timings"})
         p, alpha = np.split(found, [len(balance.Q)])
         G = self._gaps(case)
         return NodalSolution(case, faces, T, p, G, balance.Motions(p, alpha, T.T @ (case.g - G), faces.pull))

@@ -25,7 +25,9 @@ OPEN_MPI = {
 def run(number, *arguments, seconds=120):
     """The CompletedProcess of `mpirun -n number python arguments`; processes that wait for ever are ended after some seconds."""
     command = ["timeout", str(seconds), "mpirun", "-n", str(number), sys.executable, "-W", "ignore", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, env=os.environ | OPEN_MPI)
+    return subprocess.run(
+        command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI
+    )  # with an input mpirun is stopped in the background
 
 
 def names_in(path):
