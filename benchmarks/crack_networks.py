@@ -146,7 +146,7 @@ def main():
         SetNumThreads(2)
         faults()
     if "stars" in chosen:
-        for fine in (0.04, 0.02, 0.01):
+        for fine in (0.02, 0.01, 0.005):
             stars(fine)
 
 
