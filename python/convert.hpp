@@ -9,6 +9,7 @@
 #include "spaces/crack_bilinearform.hpp"
 #include "spaces/stress_power.hpp"
 #include "spaces/trace_space.hpp"
+#include "curve/piece_description.hpp"
 #include "forms/cut_integral.hpp"
 #include "forms/crack_normal.hpp"
 

@@ -3,6 +3,7 @@
 // A body is asked as a CutGeometry only, by its final type, so that no call in a loop over points is virtual.
 
 #include "cut/cracked_mesh.hpp"
+#include "cut/cracked_solid.hpp"
 #include <coefficient.hpp>
 #include <functional>
 
@@ -10,34 +11,37 @@ namespace ngsxfem_contact
 {
   using ngfem::CoefficientFunction;
 
-  /// n (tangent = false) or t of the crack of the element; elsewhere of the nearest crack.
+  /// n (tangent = false) or the first tangent of the crack of the element; elsewhere of the nearest crack. BODY: CrackedMesh or CrackedSolid.
+  template <typename BODY>
   class CrackFrame : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<const CrackedMesh> body;
+    static constexpr int D = BODY::dimension;
+    shared_ptr<const BODY> body;
     bool tangent;
   public:
-    CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent);
+    CrackFrame (shared_ptr<const BODY> abody, bool atangent);
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
   private:
-    Point At (size_t element, Point x) const;
+    Vec<D> At (size_t element, Vec<D> x) const;
   };
 
   /// A number that belongs to a point of Γ_C; 0 in elements that no crack meets.
+  template <typename BODY>
   class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
   {
     using Label = std::function<double(const CrackSides &)>;
-    shared_ptr<const CrackedMesh> body;
+    shared_ptr<const BODY> body;
     Label label;
   public:
-    CrackLabel (shared_ptr<const CrackedMesh> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
+    CrackLabel (shared_ptr<const BODY> abody, Label alabel) : CoefficientFunctionNoDerivative(1), body(abody), label(std::move(alabel)) { }
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
   private:
-    double At (size_t element, Point x) const;
+    double At (size_t element, Vec<BODY::dimension> x) const;
   };
 
   /// 1 in the larger parts beside Γ_C, 0 elsewhere, by the position of a point.
