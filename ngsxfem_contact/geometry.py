@@ -1,7 +1,7 @@
 """Cracks, the body that they cut, and what these answer with."""
 
-from . import curves  # noqa: F401  gives Crack its curves
-from ._ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind, Side
+from . import curves, sheets  # noqa: F401  gives Crack its curves, Sheet its shapes
+from ._ngsxfem_contact import Crack, CrackedMesh, ElementKind, EndKind, FrontDemand, Sheet, Side
 from .description import as_html, as_text, of_body
 
 
@@ -18,4 +18,4 @@ def described_in_notebooks(body: CrackedMesh) -> str:
 CrackedMesh.__repr__ = described  # type: ignore
 CrackedMesh._repr_html_ = described_in_notebooks  # type: ignore
 
-__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "Side"]
+__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "Sheet", "Side"]
