@@ -854,7 +854,7 @@ class FormTerm:
     """One integral of a form: its measure, and which functions of which spaces it holds."""
 
     @property
-    def body(self) -> CrackedMesh:
+    def body(self) -> typing.Any:
         """The CrackedMesh of its measure; None for a measure of NGSolve."""
 
     @property

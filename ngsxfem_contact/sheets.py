@@ -167,10 +167,7 @@ def make_body(cls: type, *arguments: Any, **named: Any) -> Any:
     if isinstance(mesh, Mesh) and mesh.dim == 3:
         for sheet in sheets:
             check_type(
-                sheet,
-                Sheet,
-                "CrackedMesh: crack",
-                "a Sheet, but the mesh is one of a body in space; give sheets one by one, a list as CrackedMesh(mesh, *sheets)",
+                sheet, Sheet, "CrackedMesh: crack", "a Sheet, but the mesh has dimension 3; give sheets one by one, a list as CrackedMesh(mesh, *sheets)"
             )
         return CrackedSolid(mesh, list(sheets))
     if any(isinstance(crack, Sheet) for crack in sheets):

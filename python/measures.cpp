@@ -34,7 +34,11 @@ void ExportFormTerms (py::module & m)
   py::class_<FormTerm>(m, "FormTerm", "One integral of a form: its measure, and which functions of which spaces it holds.")
     .def_property_readonly("form", [] (const FormTerm & term) { return make_shared<SumOfIntegrals>(term.integral); }, "The integral as a form.")
     .def_property_readonly("integrand", [] (const FormTerm & term) { return term.integral->cf; }, "The function that is integrated.")
-    .def_readonly("body", &FormTerm::body, "The CrackedMesh of its measure; None for a measure of NGSolve.")
+    .def_property_readonly("body", [] (const FormTerm & term) -> py::object
+         {
+           if (auto plane = dynamic_pointer_cast<const CrackedMesh>(term.body)) return py::cast(plane);
+           return py::cast(dynamic_pointer_cast<const CrackedSolid>(term.body));
+         }, "The CrackedMesh of its measure; None for a measure of NGSolve.")
     .def_readonly("domain", &FormTerm::domain, "The Domain of its measure.")
     .def_property_readonly("on_boundary", [] (const FormTerm & term) { return term.vb != VOL; }, "Whether it is taken over the boundary, or an inner interface.")
     .def_readonly("crack", &FormTerm::crack, "The number of the only crack that it is taken over, or None.")
