@@ -72,7 +72,8 @@ $(VENV)/venv.stamp:
 
 # What `make dev` installed stays editable.
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)
-	if [ -e $(VENV)/dev.stamp ]; then $(BIN)/pip install --no-build-isolation -e .; else $(BIN)/pip install .; fi
+	@echo "compiling the core, some minutes; lines [n/$(words $(filter cpp/%.cpp python/%.cpp,$(CPP)))] count the files"
+	if [ -e $(VENV)/dev.stamp ]; then $(BIN)/pip install -v --no-build-isolation -e .; else $(BIN)/pip install -v .; fi
 	touch $@
 
 $(VENV)/dev_tools.stamp: $(VENV)/package.stamp
