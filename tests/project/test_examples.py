@@ -38,7 +38,11 @@ def test_hole_with_two_cracks(tmp_path):
     s = table["a"] / (10 + table["a"])
     handbook = 0.5 * (3 - s) * (1 + 1.243 * (1 - s) ** 3)
     assert table["F"][table["a"] == 6] == pytest.approx(1.7476, rel=3e-3)
-    assert (table["F"] > 0.99 * handbook).all() and (table["F"] < 1.06 * handbook).all() and np.allclose(table["F"], table["K_I"] / (100 * np.sqrt(pi * table["a"])))
+    assert (
+        (table["F"] > 0.99 * handbook).all()
+        and (table["F"] < 1.06 * handbook).all()
+        and np.allclose(table["F"], table["K_I"] / (100 * np.sqrt(pi * table["a"])))
+    )
     report = (tmp_path / "results/plate/report.html").read_text()
     assert report.count("<img") == 2 and f"{table['K_I'][0]:.6g}" in report
     assert len((EXAMPLES / "plate_study.py").read_text(encoding="utf-8").splitlines()) <= 40
@@ -64,7 +68,9 @@ def test_load_displacement(tmp_path):
     elastic = force[1] / deflection[1]
     assert force.argmax() > 1 and force[-1] < 0.1 * force.max() and (force <= elastic * deflection * (1 + 1e-9)).all()
     assert 0.5 * 0.08 * 70 < lost < 0.08 * 70  # most of the ligament has had its G_c, none more
-    assert force.max() < 3 * 70**2 / 4 / 100  # below the limit load: the strength over the half of the ligament under tension, its pair of forces 70/2 apart, M = P 400/4
+    assert (
+        force.max() < 3 * 70**2 / 4 / 100
+    )  # below the limit load: the strength over the half of the ligament under tension, its pair of forces 70/2 apart, M = P 400/4
 
 
 def test_crack_at_a_fillet(tmp_path):
