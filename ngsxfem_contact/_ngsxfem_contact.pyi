@@ -27,16 +27,22 @@ __all__: list[str] = [
     "ElementKind",
     "ElementLocation",
     "ElementMatrices",
+    "ElementOrder",
     "EndKind",
     "FormTerm",
     "Front",
     "FrontDemand",
+    "FunctionOf",
+    "GridFunctionOf",
     "InnerIntegrals",
+    "IsTestFunction",
     "MeshTraceBasis",
+    "NameOf",
     "NodalTraceBasis",
     "NumKeptRules",
     "NumNegativePivots",
     "OperatorName",
+    "OperatorOf",
     "PartTriangle",
     "PointOf",
     "SchurComplement",
@@ -84,7 +90,7 @@ class FrontDemand:
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     """A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh)."""
 
-    def Points(self, order: int, space: ngsolve.comp.FESpace | None = None) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    def Points(self, order: int, space: ngsolve.comp.FESpace | None = None) -> tuple[numpy.ndarray, ...]:
         """Arrays: element, reference coordinates xi and eta (of a solid also zeta), weight, x, y (and z) of the points of a rule of this order; with a space those of its tips' functions."""
 
     def PrepareRules(self, order: int, space: ngsolve.comp.FESpace | None = None) -> None:
@@ -95,7 +101,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         definedon: ngsolve.comp.Region | str | None = None,
         bonus_intorder: int = 0,
         definedonelements: pyngcore.pyngcore.BitArray | None = None,
-        crack: int | None = None,
+        crack: int | str | None = None,
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
         space: ngsolve.comp.FESpace | None = None,
         fronts: FrontDemand | None = None,
@@ -126,17 +132,22 @@ class Crack:
     on another crack a junction; a closed one has no ends."""
 
     @staticmethod
-    def Arc(start: tuple[float, float], through: tuple[float, float], end: tuple[float, float]) -> Crack:
+    def Arc(start: tuple[float, float], through: tuple[float, float], end: tuple[float, float], name: str = "") -> Crack:
         """The circular arc from start to end through a third point. Raises an Exception for three points on a line."""
 
     @staticmethod
     def Curve(
-        function: collections.abc.Callable[[float], collections.abc.Sequence[float]], t0: float, t1: float, tolerance: float = 1e-07, max_pieces: int = 4096
+        function: collections.abc.Callable[[float], collections.abc.Sequence[float]],
+        t0: float,
+        t1: float,
+        tolerance: float = 1e-07,
+        max_pieces: int = 4096,
+        name: str = "",
     ) -> Crack:
         """The curve function(t), t from t0 to t1, as a C² cubic spline that deviates by less than tolerance × its length."""
 
     @staticmethod
-    def Join(*cracks: Crack) -> Crack:
+    def Join(*cracks: Crack, name: str = "") -> Crack:
         """Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap."""
 
     @staticmethod
@@ -146,16 +157,17 @@ class Crack:
         psi: ngsolve.fem.CoefficientFunction | None = None,
         tolerance: float | None = None,
         max_points: int = 4096,
+        name: str = "",
     ) -> Crack:
         """The crack {φ = 0, ψ < 0} of CoefficientFunctions or GridFunctions; n points to φ > 0."""
 
     @staticmethod
-    def OfPieces(pieces: collections.abc.Sequence[tuple[str, collections.abc.Sequence[tuple[float, float]]]]) -> Crack:
+    def OfPieces(pieces: collections.abc.Sequence[tuple[str, collections.abc.Sequence[tuple[float, float]]]], name: str = "") -> Crack:
         """Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with values and derivatives at t = 0 and 1,
         ('ellipse', [centre, a, b, (t0, t1)]): centre + cos(t) a + sin(t) b."""
 
     @staticmethod
-    def Spline(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray, ends: str = "not-a-knot") -> Crack:
+    def Spline(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray, ends: str = "not-a-knot", name: str = "") -> Crack:
         """The C² cubic spline through points (n, 2), by chord length: the curve itself is the crack, not a polyline."""
 
     def ArcLength(self, point: tuple[float, float]) -> float:
@@ -179,7 +191,7 @@ class Crack:
     def TangentAt(self, s: float) -> tuple[float, float]:
         """The unit tangent at arc length s."""
 
-    def __init__(self, points: collections.abc.Sequence[tuple[float, float]]) -> None: ...
+    def __init__(self, points: collections.abc.Sequence[tuple[float, float]], name: str = "") -> None: ...
     @property
     def closed(self) -> bool:
         """Whether the crack ends where it starts, without a tip or a mouth."""
@@ -191,6 +203,10 @@ class Crack:
     @property
     def length(self) -> float:
         """The arc length from end to end, in the user's unit of length."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in arguments, messages and tables; empty: nothing."""
 
     @property
     def pieces(self) -> list[tuple[str, list[tuple[float, float]]]]:
@@ -370,6 +386,10 @@ class Tip:
 class CrackedMesh:
     """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges."""
 
+    @staticmethod
+    def _repr_html_(body: CrackedMesh) -> str:
+        """The same as HTML."""
+
     @classmethod
     def __new__(cls: type, *arguments: typing.Any, **named: typing.Any) -> typing.Any:
         """The CrackedSolid of a mesh in space; else a CrackedMesh that its constructor fills."""
@@ -377,22 +397,25 @@ class CrackedMesh:
     def CheckMesh(self) -> None:
         """Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it."""
 
-    def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
+    def CrackElements(self, crack: int | str | None) -> pyngcore.pyngcore.BitArray:
         """BitArray of the elements that carry a part of a crack (None: of any)."""
+
+    def CrackNumber(self, crack: int | str) -> int:
+        """The number of a crack, from 0, by its name. Raises ValueError for a name that no crack has."""
 
     def CracksOf(self, element: int) -> list[int]:
         """Numbers of the cracks that meet an element."""
 
-    def CutBoundaryElements(self, crack: int) -> list[int]:
+    def CutBoundaryElements(self, crack: int | str) -> list[int]:
         """Numbers of the boundary elements that a crack cuts."""
 
-    def CutBoundaryPoints(self, crack: int) -> list[tuple[int, tuple[float, float]]]:
+    def CutBoundaryPoints(self, crack: int | str) -> list[tuple[int, tuple[float, float]]]:
         """The boundary elements that a crack cuts, with the points (x, y) at which it cuts them: a list of (number, point)."""
 
-    def Elements(self, crack: int) -> list[ElementLocation]:
+    def Elements(self, crack: int | str) -> list[ElementLocation]:
         """The ElementLocations of the elements that a crack meets."""
 
-    def Ends(self, crack: int) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]:
+    def Ends(self, crack: int | str) -> typing.Annotated[list[CrackEnd], "FixedSize(2)"]:
         """The two CrackEnds of a crack, its start first."""
 
     def Facets(self, element: int) -> list[CrackFacet]:
@@ -407,10 +430,13 @@ class CrackedMesh:
     def Links(self, edge: int) -> list[typing.Annotated[list[int], "FixedSize(2)"]]:
         """Pairs of parts of the two elements beside an edge of the mesh that hang together across it."""
 
-    def MeshNodes(self, crack: int, kinks: bool) -> list[float]:
+    def Meetings(self, crack: int | str) -> list[float]:
+        """Arc lengths at which a crack meets others, its junctions among them."""
+
+    def MeshNodes(self, crack: int | str, kinks: bool) -> list[float]:
         """Arc lengths at which the crack meets mesh edges, and of its ends (and kinks)."""
 
-    def OnCrack(self, crack: int, arclengths: collections.abc.Sequence[float]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+    def OnCrack(self, crack: int | str, arclengths: collections.abc.Sequence[float]) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
         """(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends."""
 
     def PartSizes(self, element: int) -> list[float]:
@@ -913,8 +939,23 @@ def ElementMatrices(
     """(matrices, rows, columns) of the volume integrals of a bilinear form, which need not be assembled, on some elements: arrays (n, height, width), and the
     numbers of the test and trial functions; smaller matrices are filled up with zeros, numbers with -1."""
 
+def ElementOrder(space: ngsolve.comp.FESpace) -> numpy.typing.NDArray[numpy.int32]:
+    """The unknowns of a space of NGSolve, an array, in the order in which the elements name them first; those of no element are left out."""
+
+def FunctionOf(functional: ngsolve.fem.PointEvaluationFunctional) -> ngsolve.fem.CoefficientFunction:
+    """The function v of an evaluation such as v(x, y)."""
+
+def GridFunctionOf(function: ngsolve.comp.GridFunctionCoefficientFunction) -> ngsolve.comp.GridFunction:
+    """The GridFunction that a function such as Grad(u) or Jump(u) is an operator of."""
+
 def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
     """The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray)."""
+
+def IsTestFunction(proxy: ngsolve.comp.ProxyFunction) -> bool:
+    """Whether a trial or test function is a test function."""
+
+def NameOf(function: ngsolve.fem.CoefficientFunction) -> str:
+    """What NGSolve calls a function, such as 'normal vector'."""
 
 def NumKeptRules(body: CrackedMesh) -> int:
     """How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep."""
@@ -924,6 +965,9 @@ def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:
 
 def OperatorName(proxy: ngsolve.comp.ProxyFunction) -> str:
     """The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ..."""
+
+def OperatorOf(function: ngsolve.comp.GridFunctionCoefficientFunction) -> str | None:
+    """The name of the operator that a function is of its GridFunction, 'deriv' for Deriv(); None where NGSolve does not know."""
 
 def PointOf(functional: ngsolve.fem.PointEvaluationFunctional) -> tuple[float, float]:
     """The point (x, y) of an evaluation such as v(x, y) in a linear form."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, LinearForm, NodeId, Parameter
-from scipy.sparse.linalg import splu
 
 from ..arguments import check_function, check_regions, check_type
 from ..pickling import dofs_of, numbers_of
@@ -292,11 +291,11 @@ def projected_trace(V: CrackFESpace, value: Any, region: Any) -> tuple[np.ndarra
     scaled, load = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc(), scale * load[dofs]
     smooth = np.flatnonzero(dofs < Unknowns(V).heaviside.start)
     projection = np.zeros(len(dofs))
-    projection[smooth] = splu(scaled[smooth][:, smooth]).solve(load[smooth])
+    projection[smooth] = scipy.sparse.linalg.splu(scaled[smooth][:, smooth]).solve(load[smooth])
     rest = load - scaled @ projection
     if np.abs(rest).max(initial=0) > ROUND_OFF * np.abs(load).max(initial=0):
         small = scipy.sparse.diags(np.where(dofs < Unknowns(V).heaviside.start, 0.0, DEPENDENT))
-        factors = splu((scaled + small).tocsc())
+        factors = scipy.sparse.linalg.splu((scaled + small).tocsc())
         jumps = factors.solve(rest)
         projection += jumps + factors.solve(rest - scaled @ jumps)
     values = np.zeros(V.ndof)
