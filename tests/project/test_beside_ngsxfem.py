@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import tempfile
 
 import pytest
 
@@ -35,7 +36,9 @@ OURS, THEIRS = "from ngsxfem_contact import *", "from xfem import *"
 
 def printed(imports, what):
     """The last line of a run of SCRIPT."""
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c", SCRIPT.format(imports=imports, what=what)], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", SCRIPT.format(imports=imports, what=what)], capture_output=True, text=True, cwd=tempfile.gettempdir()
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()[-1]
 
