@@ -75,7 +75,7 @@ $(VENV)/venv.stamp:
 
 # What `make dev` installed stays editable.
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)
-	@echo "compiling the core, some minutes; lines [n/$(words $(filter cpp/%.cpp python/%.cpp,$(CPP)))] count the files"
+	@echo "compiling the core, some minutes; lines [n/N] count its files"
 	if [ -e $(VENV)/dev.stamp ]; then $(BIN)/pip install -v --no-build-isolation -e .; else $(BIN)/pip install -v .; fi
 	touch $@
 
