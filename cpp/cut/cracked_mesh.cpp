@@ -253,29 +253,10 @@ namespace ngsxfem_contact
     return std::ranges::min_element(cracks, {}, [x] (auto & crack) { return crack.Nearest(x).distance; }) - cracks.begin();
   }
 
-  std::vector<size_t> CrackedMesh :: CrackedElements () const
-  {
-    std::vector<size_t> elements;
-    for (auto & [element, cut] : cut_elements) elements.push_back(element);
-    return elements;
-  }
-
-  const DividedBoundary * CrackedMesh :: FindBoundary (size_t bnd_element) const
-  {
-    auto it = boundary_parts.find(bnd_element);
-    return it == boundary_parts.end() ? nullptr : &it->second;
-  }
-
   std::vector<std::array<size_t,2>> CrackedMesh :: Links (size_t edge) const
   {
     auto it = cut_edges.find(edge);
     if (it == cut_edges.end()) return { { 0, 0 } };
     return it->second.links;
-  }
-
-  const CutElement * CrackedMesh :: Find (size_t element) const
-  {
-    auto it = cut_elements.find(element);
-    return it == cut_elements.end() ? nullptr : &it->second;
   }
 }

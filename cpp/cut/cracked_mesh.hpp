@@ -67,9 +67,9 @@ namespace ngsxfem_contact
     size_t NumCracks () const override { return cracks.size(); }
     Frame<2> FrameAt (size_t crack, Point x) const override;
     size_t CrackAt (const ElementCracks<2> * element, Point x) const override;
-    const CutElement * Find (size_t element) const override;
-    std::vector<size_t> CrackedElements () const override;
-    const DividedBoundary * FindBoundary (size_t bnd_element) const override;
+    const CutElement * Find (size_t element) const override { return FindIn(cut_elements, element); }
+    std::vector<size_t> CrackedElements () const override { return ElementsOf(cut_elements); }
+    const DividedBoundary * FindBoundary (size_t bnd_element) const override { return FindIn(boundary_parts, bnd_element); }
     std::vector<std::array<size_t,2>> Links (size_t edge) const override;
 
     /// These throw for a number that is not below NumCracks().

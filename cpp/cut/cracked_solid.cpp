@@ -160,25 +160,6 @@ namespace ngsxfem_contact
     }) - sheets.begin();
   }
 
-  const CutTet * CrackedSolid :: Find (size_t element) const
-  {
-    auto it = cut_tets.find(element);
-    return it == cut_tets.end() ? nullptr : &it->second;
-  }
-
-  std::vector<size_t> CrackedSolid :: CrackedElements () const
-  {
-    std::vector<size_t> elements;
-    for (auto & [element, cut] : cut_tets) elements.push_back(element);
-    return elements;
-  }
-
-  const DividedTriangle * CrackedSolid :: FindBoundary (size_t bnd_element) const
-  {
-    auto it = boundary_parts.find(bnd_element);
-    return it == boundary_parts.end() ? nullptr : &it->second;
-  }
-
   void CrackedSolid :: DivideBoundary ()
   {
     for (size_t i = 0; i < mesh->GetNE(BND); i++)

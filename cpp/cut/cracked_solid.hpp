@@ -68,9 +68,9 @@ namespace ngsxfem_contact
     size_t NumCracks () const override { return sheets.size(); }
     Frame<3> FrameAt (size_t sheet, Point3 x) const override;
     size_t CrackAt (const ElementCracks<3> * element, Point3 x) const override;
-    const CutTet * Find (size_t element) const override;
-    std::vector<size_t> CrackedElements () const override;
-    const DividedTriangle * FindBoundary (size_t bnd_element) const override;
+    const CutTet * Find (size_t element) const override { return FindIn(cut_tets, element); }
+    std::vector<size_t> CrackedElements () const override { return ElementsOf(cut_tets); }
+    const DividedTriangle * FindBoundary (size_t bnd_element) const override { return FindIn(boundary_parts, bnd_element); }
     std::vector<std::array<size_t,2>> Links (size_t face) const override;
 
     const std::vector<Sheet> & Sheets () const { return sheets; }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <comp.hpp>
 #include <functional>
+#include <map>
 #include <optional>
 
 namespace ngsxfem_contact
@@ -89,6 +90,23 @@ namespace ngsxfem_contact
   /// Directions of unit length on a crack. The normal points from the minus to the plus side.
   template <int D>
   struct Frame { Vec<D> normal; std::array<Vec<D>,D-1> tangents; };
+
+  /// What a map holds for an element; nullptr: nothing.
+  template <typename T>
+  const T * FindIn (const std::map<size_t, T> & of_element, size_t element)
+  {
+    auto it = of_element.find(element);
+    return it == of_element.end() ? nullptr : &it->second;
+  }
+
+  /// The elements that a map holds something for.
+  template <typename T>
+  std::vector<size_t> ElementsOf (const std::map<size_t, T> & of_element)
+  {
+    std::vector<size_t> elements;
+    for (auto & [element, held] : of_element) elements.push_back(element);
+    return elements;
+  }
 
   /// A body with cracks, of any dimension.
   class CrackedBody

@@ -95,6 +95,15 @@ namespace ngsxfem_contact
       return at.piece;
     }
 
+    /// Whether slices normal to the front, through the feet of the corners of a part, meet in it: the front turns too sharply for its size.
+    bool SlicesMeet (const FrontPiece & piece, const std::vector<Point> & corners, double size)
+    {
+      std::vector<double> feet;
+      for (auto & p : corners) feet.push_back(piece.Foot(p));
+      auto [s0, s1] = std::ranges::minmax(feet);
+      return piece.LargestCurvature(s0, s1)*size*least_radius > 1;
+    }
+
     /// What divides a body with these corners around a piece: the joint at its start or its end that some corners lie beyond.
     std::optional<Line> DividingJoint (const Front & front, size_t piece, const std::vector<Point> & corners, double size)
     {
@@ -195,10 +204,7 @@ namespace ngsxfem_contact
           return;
         }
     FrontPiece here(front, piece);
-    std::vector<double> feet;
-    for (auto & p : corners) feet.push_back(here.Foot(p));
-    auto [s0, s1] = std::ranges::minmax(feet);
-    if (depth > 0 && here.LargestCurvature(s0, s1)*size*least_radius > 1)
+    if (depth > 0 && SlicesMeet(here, corners, size))
       {
         for (auto & part : Refined(t)) AppendTet(part, true, depth-1, rule);
         return;
@@ -266,10 +272,7 @@ namespace ngsxfem_contact
           return;
         }
     FrontPiece here(front, piece);
-    std::vector<double> feet;
-    for (auto & p : polygon) feet.push_back(here.Foot(p));
-    auto [s0, s1] = std::ranges::minmax(feet);
-    if (depth > 0 && here.LargestCurvature(s0, s1)*size*least_radius > 1)
+    if (depth > 0 && SlicesMeet(here, polygon, size))
       {
         for (auto & t : Fan(polygon))
           for (auto & part : Refined(t)) AppendPolygon({ part.begin(), part.end() }, sheet, depth-1, rule);

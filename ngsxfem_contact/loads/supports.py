@@ -289,12 +289,12 @@ def projected_trace(V: CrackFESpace, value: Any, region: Any) -> tuple[np.ndarra
     dofs = np.setdiff1d(np.flatnonzero(diagonal), short)
     scale = 1 / np.sqrt(diagonal[dofs])
     scaled, load = mass[dofs][:, dofs].multiply(scale).T.multiply(scale).tocsc(), scale * load[dofs]
-    smooth = np.flatnonzero(dofs < Unknowns(V).heaviside.start)
-    projection = np.zeros(len(dofs))
+    is_smooth = dofs < Unknowns(V).heaviside.start
+    smooth, projection = np.flatnonzero(is_smooth), np.zeros(len(dofs))
     projection[smooth] = scipy.sparse.linalg.splu(scaled[smooth][:, smooth]).solve(load[smooth])
     rest = load - scaled @ projection
     if np.abs(rest).max(initial=0) > ROUND_OFF * np.abs(load).max(initial=0):
-        small = scipy.sparse.diags(np.where(dofs < Unknowns(V).heaviside.start, 0.0, DEPENDENT))
+        small = scipy.sparse.diags(np.where(is_smooth, 0.0, DEPENDENT))
         factors = scipy.sparse.linalg.splu((scaled + small).tocsc())
         jumps = factors.solve(rest)
         projection += jumps + factors.solve(rest - scaled @ jumps)
