@@ -36,5 +36,5 @@ table.SaveCSV(folder / "K.csv")
 body, curve = plot_body(solutions[16], field=solutions[16].stress[1, 1], label="σ_yy [MPa]"), plt.subplots(layout="constrained")[1]
 curve.errorbar(table.a, table.K_I, table.error, marker="o", capsize=3)
 body.set(xlim=(-60, 60), ylim=(-40, 60)), curve.set(xlabel="a [mm]", ylabel="K_I [MPa √mm]", title=f"tension of {sigma} MPa")
-body.figure.savefig(folder / "body.png"), curve.figure.savefig(folder / "K.png")
+body.figure.savefig(folder / "body.png", bbox_inches="tight"), curve.figure.savefig(folder / "K.png")
 (folder / "report.html").write_text(f'<h1>Hole with two cracks</h1>{table._repr_html_()}<img src="K.png"> <img src="body.png">')
