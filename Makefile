@@ -6,7 +6,7 @@ SOURCES := pyproject.toml CMakeLists.txt README.md $(CPP) $(shell find ngsxfem_c
 BUILD_REQUIRES = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | tr , ' ')
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test dev notebooks docs lint format tidy stubs coverage sanitize wheel clean
+.PHONY: help demo test dev notebooks docs lint format tidy stubs coverage sanitize wheel release clean
 
 help: ## show these targets (default)
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
@@ -58,6 +58,9 @@ wheel: $(VENV)/dev_tools.stamp ## build sdist and wheel in dist/, as a release d
 	sh tools/repair_wheel.sh $$(ls -t dist/*-linux_*.whl | head -n 1) dist $(BIN)/python
 	rm -f dist/*-linux_*.whl
 
+release: $(VENV)/dev_tools.stamp ## cut VERSION=..., build sdist and wheel in dist/, try them; nothing is committed or uploaded
+	$(BIN)/python tools/release.py $(VERSION)
+
 clean: ## remove all that was built, and .venv; keep results/
 	rm -rf build dist docs/tutorials $(VENV) ngsxfem_contact/_build_info.py ngsxfem_contact/_ngsxfem_contact*.so
 
@@ -72,7 +75,8 @@ $(VENV)/venv.stamp:
 
 # What `make dev` installed stays editable.
 $(VENV)/package.stamp: $(VENV)/venv.stamp $(SOURCES)
-	if [ -e $(VENV)/dev.stamp ]; then $(BIN)/pip install --no-build-isolation -e .; else $(BIN)/pip install .; fi
+	@echo "compiling the core, some minutes; lines [n/N] count its files"
+	if [ -e $(VENV)/dev.stamp ]; then $(BIN)/pip install -v --no-build-isolation -e .; else $(BIN)/pip install -v .; fi
 	touch $@
 
 $(VENV)/dev_tools.stamp: $(VENV)/package.stamp

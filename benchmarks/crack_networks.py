@@ -1,20 +1,22 @@
 """Cracks that cross, end on each other, kink and close: how many of many random ones are solved, and stress intensity factors of stars.
 
     python benchmarks/crack_networks.py [kinks] [networks] [stars] [N]
+    python benchmarks/crack_networks.py faults
 
 `kinks`: N (default 200) two-segment cracks with kinks of 20 to 150 degrees anywhere; `networks`: N random networks of 2 to 12 cracks, closest distance
 0.01 and sharpest angle 5 degrees, five pairs and three meshes; both under a uniform pressure, which λ has to be, with the coercivity of K - K_γ. `stars`: the cases of
-`tests/networks/cases.py` against boundary-fitted meshes.
+`tests/networks/cases.py` against boundary-fitted meshes. `faults`: 50 faults with Coulomb's law and 200,000 unknowns, beside one solve of the body without cracks.
 """
 
 import sys
 import warnings
 from collections import Counter
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 from netgen.geom2d import unit_square
-from ngsolve import CF, Integrate, Mesh, SetNumThreads, x, y
+from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, Integrate, Mesh, SetNumThreads, Sym, TaskManager, VectorH1, dx, x, y
 from results import recorded
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[1] / "tests")]
@@ -23,7 +25,7 @@ from networks import cases  # noqa: E402
 from networks.random_networks import kink_placements, random_network  # noqa: E402
 from networks.stars import star_problem  # noqa: E402
 
-from ngsxfem_contact import AccuracyWarning, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace  # noqa: E402
+from ngsxfem_contact import AccuracyWarning, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace  # noqa: E402
 from ngsxfem_contact.contact import Coercivity  # noqa: E402
 
 PAIRS = [(1, 0), (1, 1), (2, 1), (2, 0), (3, 2)]
@@ -85,6 +87,51 @@ def stars(fine):
         print(f"{name:45} h = {fine}: K off by {100 * max(off):.2f} % of the largest, {problem.V.ndof} unknowns", flush=True)
 
 
+def fault_network(length, seed=0, number=50):
+    """Faults of two sets of directions anywhere in the unit square, of a total length."""
+    rng, cracks = np.random.default_rng(seed), []
+    while len(cracks) < number:
+        middle, angle = rng.uniform(0.08, 0.92, 2), np.radians(rng.choice([35, 100]) + rng.normal(0, 8))
+        half = length / number * rng.uniform(0.25, 0.75) * np.array([np.cos(angle), np.sin(angle)])
+        if np.abs(np.array([middle - half, middle + half]) - 0.5).max() < 0.47:
+            cracks.append([tuple(map(float, middle - half)), tuple(map(float, middle + half))])
+    return cracks
+
+
+def without_cracks(mesh, order, u_0):
+    """Seconds of one linear solve of the body without cracks."""
+    start = perf_counter()
+    V = VectorH1(mesh, order=order, dirichlet=".*")
+    u, v = V.TnT()
+    form = BilinearForm(InnerProduct(MATERIAL.Stress(Sym(Grad(u))), Sym(Grad(v))) * dx, symmetric=True).Assemble()
+    gfu = GridFunction(V)
+    gfu.Set(u_0, definedon=mesh.Boundaries(".*"))
+    gfu.vec.data -= form.mat.Inverse(V.FreeDofs(), inverse="sparsecholesky") * (form.mat * gfu.vec).Evaluate()
+    return perf_counter() - start
+
+
+def faults():
+    """Compression and shear by given displacements, under which about half of the nodes slip."""
+    u_0 = CF((-0.004 * x + 0.012 * y, -0.01 * y))
+    for order, maxh in ((1, 0.0034), (2, 0.0068)):
+        mesh = Mesh(unit_square.GenerateMesh(maxh=maxh))
+        for length in (1.5, 3, 6):
+            with TaskManager():
+                plain = sorted(without_cracks(mesh, order, u_0) for _ in range(3))[1]
+                start = perf_counter()
+                body = CrackedMesh(mesh, *map(Crack, fault_network(length)))
+                V = CrackFESpace(body, order=order, dirichlet=".*", material=MATERIAL)
+                problem = ContactProblem(V, TraceSpace(body, order=1), law=Coulomb(0.3))
+                problem.SetDirichlet(u_0, ".*")
+                report = problem.Solve().report
+                whole = perf_counter() - start
+            print(
+                f"50 faults of length {length} in all, P{order}/P1: {V.ndof} unknowns, {problem.W.ndof} nodes; {whole:.1f} s, {whole / plain:.1f} times {plain:.2f} s "
+                f"without cracks; {report.iterations} iterations; {' '.join(f'{name} {seconds:.2f}' for name, seconds in report.timings.items())}",
+                flush=True,
+            )
+
+
 def main():
     SetNumThreads(1)
     warnings.simplefilter("ignore", AccuracyWarning)
@@ -95,8 +142,11 @@ def main():
         kinks(number, meshes)
     if "networks" in chosen:
         networks(number, meshes)
+    if "faults" in chosen:
+        SetNumThreads(2)
+        faults()
     if "stars" in chosen:
-        for fine in (0.04, 0.02, 0.01):
+        for fine in (0.02, 0.01, 0.005):
             stars(fine)
 
 

@@ -2,6 +2,7 @@
 
 import inspect
 import re
+from importlib.metadata import files
 
 from ngsxfem_contact import __version__ as release  # noqa: E402, F401
 
@@ -11,7 +12,9 @@ extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["tutorials/.ipynb_checkpoints"]
 html_theme = "furo"
 html_title = project
-html_static_path = ["static"]
+(mathjax,) = (str(file.locate()) for file in files("django-static-mathjax") if file.match("es5/tex-svg-full.js"))  # MathJax as a file: pages need no network
+html_static_path = ["static", mathjax]
+mathjax_path = "tex-svg-full.js"
 html_css_files = ["wide.css"]
 
 myst_enable_extensions = ["dollarmath", "amsmath"]

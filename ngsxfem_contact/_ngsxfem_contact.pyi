@@ -18,6 +18,7 @@ __all__: list[str] = [
     "CrackFESpace",
     "CrackFacet",
     "CrackedMesh",
+    "CrackedSolid",
     "CurveNodes",
     "CutDifferentialSymbol",
     "CutOff",
@@ -30,6 +31,8 @@ __all__: list[str] = [
     "ElementsBeside",
     "EndKind",
     "FormTerm",
+    "Front",
+    "FrontDemand",
     "FunctionOf",
     "GridFunctionOf",
     "InnerIntegrals",
@@ -45,6 +48,8 @@ __all__: list[str] = [
     "PartTriangle",
     "PointOf",
     "SchurComplement",
+    "Sheet",
+    "SheetCell",
     "Side",
     "StressPower",
     "TermsOf",
@@ -56,13 +61,39 @@ __all__: list[str] = [
     "Variation",
 ]
 
+class FrontDemand:
+    """What functions that are singular at the fronts of a solid ask of the rules of a measure: `body.dx(fronts=FrontDemand(radius))`."""
+
+    def __init__(self, radius: float, along: int = 3, angular: int = 4, radial: int = 4, order: int = 5, beta: float = 0.35) -> None: ...
+    @property
+    def along(self) -> int:
+        """Gauss points in s."""
+
+    @property
+    def angular(self) -> int:
+        """Gauss points in the angle."""
+
+    @property
+    def beta(self) -> float:
+        """The least distance of a part from the front, relative to its size."""
+
+    @property
+    def order(self) -> int:
+        """The order of Gauss beside the front."""
+
+    @property
+    def radial(self) -> int:
+        """Gauss points in √r."""
+
+    @property
+    def radius(self) -> float:
+        """Elements that come nearer to a front get rules of their own."""
+
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     """A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh)."""
 
-    def Points(
-        self, order: int, space: ngsolve.comp.FESpace | None = None
-    ) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-        """Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions."""
+    def Points(self, order: int, space: ngsolve.comp.FESpace | None = None) -> tuple[numpy.ndarray, ...]:
+        """Arrays: element, reference coordinates xi and eta (of a solid also zeta), weight, x, y (and z) of the points of a rule of this order; with a space those of its tips' functions."""
 
     def PrepareRules(self, order: int, space: ngsolve.comp.FESpace | None = None) -> None:
         """Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form."""
@@ -75,6 +106,7 @@ class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
         crack: int | str | None = None,
         nodes: collections.abc.Sequence[collections.abc.Sequence[float]] | None = None,
         space: ngsolve.comp.FESpace | None = None,
+        fronts: FrontDemand | None = None,
     ) -> CutDifferentialSymbol:
         """The same measure, restricted or refined."""
 
@@ -133,7 +165,8 @@ class Crack:
 
     @staticmethod
     def OfPieces(pieces: collections.abc.Sequence[tuple[str, collections.abc.Sequence[tuple[float, float]]]], name: str = "") -> Crack:
-        """Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with values and derivatives at t = 0 and 1."""
+        """Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with values and derivatives at t = 0 and 1,
+        ('ellipse', [centre, a, b, (t0, t1)]): centre + cos(t) a + sin(t) b."""
 
     @staticmethod
     def Spline(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray, ends: str = "not-a-knot", name: str = "") -> Crack:
@@ -459,6 +492,198 @@ class CrackedMesh:
     def tips(self) -> list[Tip]:
         """The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body."""
 
+class Sheet:
+    """A planar crack in space: the part of a plane that closed curves bound. Its unit normal n = a1 × a2 points from the minus to the plus side.
+    Sheet.Disk, Sheet.Ellipse, Sheet.Polygon and Sheet.Ring make common ones. What lies outside of the body is cut off: a sheet that reaches the boundary of the
+    body has a mouth there, inside the body it has a front."""
+
+    @staticmethod
+    def Disk(center: collections.abc.Sequence[float], normal: collections.abc.Sequence[float], radius: float) -> Sheet:
+        """The disk of a radius around a center: a penny-shaped crack."""
+
+    @staticmethod
+    def Ellipse(center: collections.abc.Sequence[float], a: collections.abc.Sequence[float], b: collections.abc.Sequence[float]) -> Sheet:
+        """The ellipse center + cos(t) a + sin(t) b; its normal is a × b."""
+
+    @staticmethod
+    def Polygon(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray) -> Sheet:
+        """The polygon with given corners in a plane; its normal points to where they run counter-clockwise."""
+
+    @staticmethod
+    def Ring(center: collections.abc.Sequence[float], normal: collections.abc.Sequence[float], inner: float, outer: float) -> Sheet:
+        """What lies between two circles around a center: a ring-shaped crack with two fronts."""
+
+    def Contains(self, point: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"]) -> bool:
+        """Whether the foot of a point (x, y, z) on the plane lies in the sheet."""
+
+    def __init__(
+        self,
+        loops: collections.abc.Sequence[Crack],
+        origin: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"] = [0.0, 0.0, 0.0],
+        axes: typing.Annotated[collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"]], "FixedSize(2)"] = [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ],
+    ) -> None: ...
+    @property
+    def area(self) -> float:
+        """Its area, also of what lies outside of a body."""
+
+    @property
+    def axes(self) -> typing.Annotated[list[typing.Annotated[list[float], "FixedSize(3)"]], "FixedSize(2)"]:
+        """The unit vectors a1 and a2 of the plane's coordinates."""
+
+    @property
+    def loops(self) -> list[Crack]:
+        """The curves in the plane, with the sheet to their right: the outer one, then those of holes."""
+
+    @property
+    def normal(self) -> tuple[float, float, float]:
+        """The unit normal n, from the minus to the plus side."""
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """The point (x, y, z) of the plane with p1 = p2 = 0."""
+
+class Front:
+    """Where a sheet ends inside the body: a curve C(s) with the frame e1 ahead, out of the sheet, e2 = n and e3 = e1 × e2, the direction in which s grows."""
+
+    def CurvatureAt(self, s: float) -> float:
+        """The curvature at arc length s, > 0 where the sheet is convex."""
+
+    def Distance(self, point: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"]) -> float:
+        """The distance of a point (x, y, z)."""
+
+    def FrameAt(self, s: float) -> typing.Annotated[list[typing.Annotated[list[float], "FixedSize(3)"]], "FixedSize(3)"]:
+        """The unit vectors e1, e2, e3 at arc length s."""
+
+    def PointAt(self, s: float) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """The point (x, y, z) at arc length s, 0 ≤ s ≤ length."""
+
+    def Tube(self, point: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"]) -> tuple[float, float, float]:
+        """(x1, x2, s) of a point (x, y, z) = C(s) + x1 e1 + x2 e2, C(s) the nearest point; x2 is exactly 0 on the sheet."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is a whole closed curve; else it ends on the boundary of the body."""
+
+    @property
+    def corners(self) -> list[float]:
+        """Arc lengths at which its direction jumps."""
+
+    @property
+    def length(self) -> float:
+        """The arc length, in the user's unit of length."""
+
+    @property
+    def loop(self) -> int:
+        """The number of the curve of the sheet that it is a part of."""
+
+    @property
+    def sheet(self) -> int:
+        """The number of its sheet in body.cracks."""
+
+    @property
+    def tube(self) -> ngsolve.fem.CoefficientFunction:
+        """The coordinates (x1, x2, s) of Tube: a CoefficientFunction."""
+
+class SheetCell:
+    """What a sheet's plane cuts out of an element, or a face of the mesh on the plane."""
+
+    @property
+    def element(self) -> int:
+        """The number of the element in the mesh."""
+
+    @property
+    def heights(self) -> typing.Annotated[list[float], "FixedSize(4)"]:
+        """Heights of the element's corners over the plane, by the numbers of the vertices; 0 on the plane."""
+
+    @property
+    def kind(self) -> ElementKind:
+        """Its ElementKind: Cut, Tip (a front is inside) or Aligned."""
+
+    @property
+    def neighbour(self) -> int | None:
+        """The element on the other side of a face on the plane, which this one carries for both, or None."""
+
+    @property
+    def polygon(self) -> list[tuple[float, float]]:
+        """The corners in the plane's coordinates, counter-clockwise."""
+
+class CrackedSolid:
+    """What CrackedMesh(mesh, sheet, ...) makes of a mesh of tetrahedra: the body with its sheets, with the measures dx, ds, dcrack and dlarger as in the plane."""
+
+    def BoundaryPartSizes(self, element: int) -> list[float]:
+        """The areas of the parts of a boundary element, the plus side first; [1] if no sheet divides it."""
+
+    def CheckMesh(self) -> None:
+        """Raises an Exception if the mesh was refined, curved or deformed after the sheets were located in it."""
+
+    def CrackElements(self, crack: int | None) -> pyngcore.pyngcore.BitArray:
+        """BitArray of the elements that carry a part of a crack (None: of any)."""
+
+    def CracksOf(self, element: int) -> list[int]:
+        """Numbers of the sheets that meet an element."""
+
+    def CutBoundaryElements(self, crack: int) -> list[int]:
+        """Numbers of the boundary elements that a crack divides: its mouths."""
+
+    def Elements(self, crack: int) -> list[SheetCell]:
+        """The SheetCells of a crack, one for each element that carries a part of it."""
+
+    def FacetArea(self, element: int) -> float:
+        """The area of the sheet in an element, exact but for round-off."""
+
+    def FrontElements(self, crack: int) -> set[int]:
+        """Numbers of the elements whose closure holds a stretch of a front of a crack."""
+
+    def Links(self, face: int) -> list[typing.Annotated[list[int], "FixedSize(2)"]]:
+        """Pairs of parts of the two elements beside a face of the mesh that hang together across it."""
+
+    def PartSizes(self, element: int) -> list[float]:
+        """The volumes of the connected parts of an element, the plus side first; [1] if no sheet meets it."""
+
+    def __init__(self, mesh: ngsolve.comp.Mesh, sheets: collections.abc.Sequence[Sheet]) -> None: ...
+    @property
+    def crack_number(self) -> ngsolve.fem.CoefficientFunction:
+        """On the cracks the number of the crack: a CoefficientFunction."""
+
+    @property
+    def cracks(self) -> list[Sheet]:
+        """The Sheets, in the order in which they were given."""
+
+    @property
+    def dcrack(self) -> CutDifferentialSymbol:
+        """The measure on the cracks."""
+
+    @property
+    def dlarger(self) -> CutDifferentialSymbol:
+        """The measure on the larger part of each element that a crack meets."""
+
+    @property
+    def ds(self) -> CutDifferentialSymbol:
+        """The measure on the boundary, divided at mouths."""
+
+    @property
+    def dx(self) -> CutDifferentialSymbol:
+        """The measure on the body without the cracks."""
+
+    @property
+    def fronts(self) -> list[Front]:
+        """The Fronts of all sheets, those of the first sheet first."""
+
+    @property
+    def larger_side(self) -> ngsolve.fem.CoefficientFunction:
+        """On the cracks +1 or -1, the side of the larger part of the element: a CoefficientFunction."""
+
+    @property
+    def mesh(self) -> ngsolve.comp.Mesh:
+        """The mesh of NGSolve."""
+
+    @property
+    def normal(self) -> ngsolve.fem.CoefficientFunction:
+        """The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack."""
+
 class CutOff(_Enumeration):
     """The cut-off χ of the tip functions: cubic is C¹, quintic C²."""
 
@@ -653,7 +878,7 @@ class FormTerm:
     """One integral of a form: its measure, and which functions of which spaces it holds."""
 
     @property
-    def body(self) -> CrackedMesh:
+    def body(self) -> typing.Any:
         """The CrackedMesh of its measure; None for a measure of NGSolve."""
 
     @property

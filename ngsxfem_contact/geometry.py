@@ -6,18 +6,21 @@ from typing import TYPE_CHECKING, Any
 
 from . import _ngsxfem_contact as core
 from . import curves  # noqa: F401  gives Crack its curves
-from ._ngsxfem_contact import Crack, ElementKind, EndKind, Side
+from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, Sheet, Side
 from .description import as_html, as_text, of_body
 from .share import share_of
+from .sheets import body_in_space
 
 if TYPE_CHECKING:
     from ngsolve import Mesh
 
-__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "Side"]
+__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "Sheet", "Side"]
 
 
 class CrackedMesh(core.CrackedMesh):
     """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.
+
+    Of a mesh of tetrahedra with Sheets it is a CrackedSolid.
 
     Parameters
     ----------
@@ -42,6 +45,9 @@ class CrackedMesh(core.CrackedMesh):
     mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:
     body.ds("left|right").
     """
+
+    def __new__(cls, mesh: Mesh | None = None, *cracks: Any) -> Any:  # without a mesh: to be filled by pickle
+        return body_in_space(mesh, cracks) or super().__new__(cls)
 
     def __init__(self, mesh: Mesh, *cracks: Any) -> None:
         self.share = share_of(mesh, cracks)

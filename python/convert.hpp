@@ -9,6 +9,7 @@
 #include "spaces/crack_bilinearform.hpp"
 #include "spaces/stress_power.hpp"
 #include "spaces/trace_space.hpp"
+#include "curve/piece_description.hpp"
 #include "forms/cut_integral.hpp"
 #include "forms/crack_normal.hpp"
 
@@ -64,6 +65,6 @@ namespace ngsxfem_contact
   /// A crack of a body, by its number or its name.
   using CrackKey = std::variant<size_t, std::string>;
 
-  inline size_t NumberOf (const CrackedMesh & body, const CrackKey & crack)
+  inline size_t NumberOf (const CrackedBody & body, const CrackKey & crack)
   { return std::holds_alternative<size_t>(crack) ? std::get<size_t>(crack) : body.CrackNumber(std::get<std::string>(crack)); }
 }

@@ -45,8 +45,8 @@ static void ExportCrack (py::module & m)
                 "The circular arc from start to end through a third point. Raises an Exception for three points on a line.")
     .def_static("Join", &JoinCracks, py::arg("name") = "", "Cracks end to end as one: a kink where the direction jumps. Raises an Exception for a gap.")
     .def_static("OfPieces", &CrackOfPieces, py::arg("pieces"), py::arg("name") = "",
-                "Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with "
-                "values and derivatives at t = 0 and 1.")
+                "Pieces (kind, points): ('segment', [a, b]), ('arc', [start, through, end]), ('cubic', [p0, d0, p1, d1]) with values and derivatives at t = 0 and 1,\n"
+                "('ellipse', [centre, a, b, (t0, t1)]): centre + cos(t) a + sin(t) b.")
     .def_property_readonly("name", &Crack::Name, "What it is called in arguments, messages and tables; empty: nothing.")
     .def_property_readonly("points", &PointsOf, "The points of a polyline; of a curve the ends of its pieces.")
     .def_property_readonly("pieces", &PiecesOf, "What OfPieces takes.")
@@ -232,18 +232,18 @@ static void ExportCrackedMesh (py::module & m)
     .def("CrackElements", [] (const CrackedMesh & b, const std::optional<CrackKey> & c) { return b.CrackElements(c ? std::optional(NumberOf(b, *c)) : std::nullopt); }, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
     .def("MeshNodes", [] (const CrackedMesh & b, const CrackKey & c, bool kinks) { return MeshNodes(b, NumberOf(b, c), kinks); }, py::arg("crack"), py::arg("kinks"), "Arc lengths at which the crack meets mesh edges, and of its ends (and kinks).")
     .def("OnCrack", &OnCrack, py::arg("crack"), py::arg("arclengths"), "(elements, xi, eta): element numbers and reference coordinates of points on a crack. Raises an Exception for arc lengths beyond its ends.")
-    .def_property_readonly("normal", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, false); },
+    .def_property_readonly("normal", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame<CrackedMesh>>(b, false); },
                            "The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.")
-    .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame>(b, true); },
+    .def_property_readonly("tangent", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame<CrackedMesh>>(b, true); },
                            "The unit tangent t on the cracks, in the direction of travel: a CoefficientFunction, for forms over dcrack.")
     .def_property_readonly("larger_side", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
-         { return make_shared<CrackLabel>(b, Label::LargerSide); },
+         { return make_shared<CrackLabel<CrackedMesh>>(b, Label::LargerSide); },
          "On the cracks +1 or -1, the side of the larger part of the element, whose stress is R_h: a CoefficientFunction.")
     .def("InLargerPart", [] (shared_ptr<CrackedMesh> b, std::optional<std::string> side) -> shared_ptr<CoefficientFunction>
          {
            if (!side) return make_shared<LargerPart>(b);
            if (*side != "plus" && *side != "minus") throw py::value_error("CrackedMesh.InLargerPart: side='" + *side + "' is neither 'plus' nor 'minus'");
-           return make_shared<CrackLabel>(b, *side == "plus" ? Label::LargerIsPlus : Label::LargerIsMinus);
+           return make_shared<CrackLabel<CrackedMesh>>(b, *side == "plus" ? Label::LargerIsPlus : Label::LargerIsMinus);
          }, py::arg("side"),
          "1 in the larger parts beside the cracks, 0 elsewhere, a CoefficientFunction: by the position of a point (None), on the cracks for their \"plus\" or \"minus\" side.\n"
          "\nRaises\n------\nValueError\n    For another side.")
@@ -251,12 +251,12 @@ static void ExportCrackedMesh (py::module & m)
          { return make_shared<CrackLimit>(b, function, side); }, py::arg("function"), py::arg("side"),
          "The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.")
     .def_property_readonly("crack_number", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
-         { return make_shared<CrackLabel>(b, Label::CrackNumber); },
+         { return make_shared<CrackLabel<CrackedMesh>>(b, Label::CrackNumber); },
          "On the cracks the number of the crack: a CoefficientFunction.")
     .def_property_readonly("dx", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); }, "The measure on the body without the cracks.")
     .def_property_readonly("ds", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol(Measure { b, {} }, BND); }, "The measure on the boundary, divided at mouths.")
-    .def_property_readonly("dlarger", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol::OnCracks(b, { Domain::Larger }); }, "The measure on the larger part of each element that a crack meets.")
-    .def_property_readonly("dcrack", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol::OnCracks(b, { Domain::Crack }); }, "The measure on the cracks.")
+    .def_property_readonly("dlarger", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol::OnCracks(Measure { b, { Domain::Larger } }); }, "The measure on the larger part of each element that a crack meets.")
+    .def_property_readonly("dcrack", [] (shared_ptr<CrackedMesh> b) { return CutDifferentialSymbol::OnCracks(Measure { b, { Domain::Crack } }); }, "The measure on the cracks.")
     .def(py::pickle([] (const CrackedMesh & b) { return py::make_tuple(b.GetMesh(), b.Cracks()); },
                     [] (py::tuple state) { return MakeCrackedMesh(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Crack>>()); }));
   ngcore::RegisterPyArchiveCaster<CrackedMesh>();

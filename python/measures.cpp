@@ -34,7 +34,11 @@ void ExportFormTerms (py::module & m)
   py::class_<FormTerm>(m, "FormTerm", "One integral of a form: its measure, and which functions of which spaces it holds.")
     .def_property_readonly("form", [] (const FormTerm & term) { return make_shared<SumOfIntegrals>(term.integral); }, "The integral as a form.")
     .def_property_readonly("integrand", [] (const FormTerm & term) { return term.integral->cf; }, "The function that is integrated.")
-    .def_readonly("body", &FormTerm::body, "The CrackedMesh of its measure; None for a measure of NGSolve.")
+    .def_property_readonly("body", [] (const FormTerm & term) -> py::object
+         {
+           if (auto plane = dynamic_pointer_cast<const CrackedMesh>(term.body)) return py::cast(plane);
+           return py::cast(dynamic_pointer_cast<const CrackedSolid>(term.body));
+         }, "The CrackedMesh of its measure; None for a measure of NGSolve.")
     .def_readonly("domain", &FormTerm::domain, "The Domain of its measure.")
     .def_property_readonly("on_boundary", [] (const FormTerm & term) { return term.vb != VOL; }, "Whether it is taken over the boundary, or an inner interface.")
     .def_readonly("crack", &FormTerm::crack, "The number of the only crack that it is taken over, or None.")
@@ -88,27 +92,33 @@ void ExportMeasures (py::module & m)
   py::class_<CutDifferentialSymbol, DifferentialSymbol>(m, "CutDifferentialSymbol",
       "A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh).")
     .def("__call__", [] (const CutDifferentialSymbol & dx, decltype(Restriction::definedon) definedon, int bonus_intorder, shared_ptr<ngcore::BitArray> elements,
-                         std::optional<CrackKey> crack, decltype(Restriction::nodes) nodes, shared_ptr<ngcomp::FESpace> space)
+                         std::optional<CrackKey> crack, decltype(Restriction::nodes) nodes, shared_ptr<ngcomp::FESpace> space, std::optional<FrontDemand> fronts)
          {
            auto number = crack ? std::optional(NumberOf(*dx.measure.body, *crack)) : std::nullopt;
-           return dx.Restricted({ definedon, bonus_intorder, elements, number, nodes, space });
+           return dx.Restricted({ definedon, bonus_intorder, elements, number, nodes, space, fronts });
          },
          py::arg("definedon") = none.definedon, py::arg("bonus_intorder") = none.bonus_intorder, py::arg("definedonelements") = none.definedonelements,
-         py::arg("crack") = py::none(), py::arg("nodes") = none.nodes, py::arg("space") = none.space,
+         py::arg("crack") = py::none(), py::arg("nodes") = none.nodes, py::arg("space") = none.space, py::arg("fronts") = none.fronts,
          "The same measure, restricted or refined.\n\nParameters\n----------\ndefinedon\n"
          "    A Region, or the name (a regular expression) of materials for dx, of boundaries for ds.\nbonus_intorder\n"
          "    Added to the order of the rules.\ndefinedonelements\n    BitArray of elements.\ncrack\n"
          "    Number or name of the only crack.\nnodes\n"
          "    Arc lengths at which rules on the cracks are divided, one list for each crack.\nspace\n"
          "    A CrackFESpace whose tips the rules serve, too: needed for singular functions that are given by formulas. Rules always serve the spaces whose\n"
-         "    functions, trial or test functions are part of an integrand.\n\nRaises\n------\nException\n"
+         "    functions, trial or test functions are part of an integrand.\nfronts\n"
+         "    A FrontDemand: rules for functions that are singular at the fronts of a solid.\n\nRaises\n------\nException\n"
          "    For a region that the mesh does not have.")
     .def("Points", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
          {
            auto p = RulePoints(dx.For(space), order);
            auto array = [] (auto & v) { return py::array(v.size(), v.data()); };
-           return py::make_tuple(array(p.element), array(p.xi), array(p.eta), array(p.weight), array(p.x), array(p.y));
-         }, py::arg("order"), py::arg("space") = none.space, "Arrays: element, reference coordinates xi and eta, weight, x, y of the points of a rule of this order; with a space those of its tips' functions.")
+           py::list columns;
+           columns.append(array(p.element));
+           for (auto & coordinate : p.reference) columns.append(array(coordinate));
+           columns.append(array(p.weight));
+           for (auto & coordinate : p.place) columns.append(array(coordinate));
+           return py::tuple(columns);
+         }, py::arg("order"), py::arg("space") = none.space, "Arrays: element, reference coordinates xi and eta (of a solid also zeta), weight, x, y (and z) of the points of a rule of this order; with a space those of its tips' functions.")
     .def("PrepareRules", [] (const CutDifferentialSymbol & dx, int order, shared_ptr<ngcomp::FESpace> space)
          { dx.For(space).measure.Rules(dx.vb, order); }, py::arg("order"), py::arg("space") = none.space,
          "Makes the rules of this order now, which are otherwise made when they are first used. They are kept as long as a space on the body, a measure or a form.")

@@ -7,6 +7,8 @@
 #include <python_comp.hpp>
 
 void ExportGeometry (py::module & m);
+void ExportSheets (py::module & m);
+void ExportFrontDemand (py::module & m);
 void ExportSpaces (py::module & m);
 void ExportMeasures (py::module & m);
 void ExportFormTerms (py::module & m);
@@ -15,8 +17,10 @@ void ExportSolver (py::module & m);
 PYBIND11_MODULE(_ngsxfem_contact, m)
 {
   py::module::import("ngsolve");
+  ExportFrontDemand(m);
   ExportMeasures(m);  // first: the signatures of the others name its class
   ExportGeometry(m);
+  ExportSheets(m);
   ExportSpaces(m);
   ExportFormTerms(m);
   ExportSolver(m);

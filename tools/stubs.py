@@ -18,9 +18,12 @@ TYPES = {
     "-> list:": "-> list[tuple[numpy.ndarray, numpy.ndarray]]:",  # BoundaryDofs
     "body: ...)": "body: CrackedMesh)",  # of NumKeptRules, exported before its class
     "*args": "*cracks: Crack",  # of Crack.Join and CrackedMesh
+    "mesh: ngsolve.comp.Mesh, *cracks: Crack)": "mesh: ngsolve.comp.Mesh, *cracks: Crack | Sheet)",
+    "def body(self) -> object": "def body(self) -> CrackedMesh",  # of FormTerm
     "**kwargs": "**flags: typing.Any",  # of NGSolve's spaces and forms
     "typing.SupportsInt | typing.SupportsIndex": "int",
     "typing.SupportsFloat | typing.SupportsIndex": "float",
+    "def Points(self, order: int, space: ngsolve.comp.FESpace | None = None) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:": "def Points(self, order: int, space: ngsolve.comp.FESpace | None = None) -> tuple[numpy.ndarray, ...]:",
     "def Parts(self, element: int) -> list[tuple[numpy.ndarray, numpy.ndarray]]:": "def Parts(self, element: int) -> list[PartTriangle]:",
 }
 LEFT_OUT = {"__getstate__", "__setstate__", "__flags_doc__", "__eq__", "__ne__", "__hash__", "__str__", "__repr__"}  # those of every object

@@ -88,8 +88,9 @@ plt.show()
 # %% [markdown]
 # ## Numbers
 #
-# The contact force is $\int_{\Gamma_C} \lambda$. The tip is closed, so that $K_I = 0$, but it slips: $K_{II} \ne 0$. Here both
-# are the coefficients of the tip's functions, good to a few percent. `solution.SaveVTK("crack.vtu")` writes it all for ParaView.
+# The contact force is $\int_{\Gamma_C} \lambda$. The tip is closed, so that $K_I = 0$, but it slips: $K_{II} \ne 0$, by the
+# interaction integral around the tip, with an error of its own ([tutorial 8](8_growth)). `solution.SaveVTK("crack.vtu")` writes it all
+# for ParaView, `solution.Save("crack.solution")` keeps it for another day.
 
 # %%
 (begin,) = solution.Transitions()

@@ -44,7 +44,8 @@ plt.show()
 # A `SplitMesh` is the mesh of the pictures: triangles that end at the crack, with the points on the crack doubled. On it we draw one
 # component of a basis function as a surface. Left $\varphi_i$, a hat. In the middle $H\varphi_i$, as the paper writes it. Right what the
 # space stores: $\frac12 (H - s_i)\varphi_i$, with $s_i$ the side of the larger part of the support. The span is the same, but this function
-# vanishes on the larger part, and so its coefficient **is** the jump at the node.
+# vanishes on the larger part, and so its coefficient **is** the jump at the node. (Where several cracks divide a support into more than two
+# parts, there is such a function for each part but the largest: [method](../method.md), section 3.)
 
 # %%
 split = SplitMesh(body, subdivision=2)
@@ -117,7 +118,7 @@ plt.show()
 # A Gauss rule on a cut triangle would see the jump as an error. `body.dx` divides each cut triangle along the crack. Around the tip
 # it integrates in polar coordinates with $\sqrt r$ as variable, because derivatives of $F_j$ grow like $r^{-1/2}$ there. Below the points of the
 # rule, blue on the plus side and red on the minus side; the crosses are those of `body.dcrack`, on the crack itself. (A small disk and
-# a tolerance of 10⁻² keep the picture readable; the default is 10⁻¹⁰.)
+# a tolerance of 10⁻² keep the picture readable; the default is 10⁻⁵.)
 
 # %%
 sketch = CrackedMesh(mesh, body.cracks[0])

@@ -92,7 +92,7 @@ plot_body(solution, scale=5)
 plt.show()
 
 # %% [markdown]
-# Each crack has its own profile, contact force and transitions. The crack is named by its number, in the order of `CrackedMesh`.
+# Each crack has its own profile, contact force and transitions. A crack is called by its number, in the order of `CrackedMesh`, or by its name, if it was given one: `Crack(points, name="fault")`.
 
 # %%
 figure, axes = plt.subplots(2, 4, figsize=(14, 5), sharex="col", layout="constrained")

@@ -305,13 +305,4 @@ namespace ngsxfem_contact
     AppendTame(Cubic(p0, d0, p1, d1), 20, pieces);
     return pieces;
   }
-
-  std::vector<PiecePtr> MakePieces (const std::string & kind, const std::vector<Point> & p)
-  {
-    if (kind == "segment" && p.size() == 2) return { MakeSegment(p[0], p[1]) };
-    if (kind == "arc" && p.size() == 3) return { MakeArc(p[0], p[1], p[2]) };
-    if (kind == "cubic" && p.size() == 4) return MakeCubic(p[0], p[1], p[2], p[3]);
-    throw ngcore::Exception("Crack: a piece is ('segment', [a, b]), ('arc', [start, through, end]) or ('cubic', [p0, d0, p1, d1]), got '"
-                            + kind + "' with " + std::to_string(p.size()) + " points");
-  }
 }

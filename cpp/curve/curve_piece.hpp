@@ -1,5 +1,5 @@
 #pragma once
-// The smooth pieces of a crack: segments, circular arcs and cubics, each with its arc length.
+// The smooth pieces of a crack, such as segments, circular arcs and cubics, each with its arc length.
 
 #include <bla.hpp>
 #include <array>
@@ -47,9 +47,10 @@ namespace ngsxfem_contact
     /// Gauss points in t that integrate f(x(t)) × x'(t), f a polynomial of the given order, between two parameters.
     virtual int GaussPoints (int order, double t0, double t1) const = 0;
     virtual bool IsStraight () const { return false; }
-    /// The part between two parameters; they may lie a little beyond the ends, where the curve goes on.
+    /// The part between two parameters; they may lie a little beyond the ends, where the curve goes on. t1 < t0: in the
+    /// other direction.
     virtual std::shared_ptr<const CurvePiece> Between (double t0, double t1) const = 0;
-    /// "segment", "arc" or "cubic", and the points that define it.
+    /// "segment", "arc", "cubic" or "ellipse", and the points that define it.
     virtual std::pair<std::string, std::vector<Point>> Description () const = 0;
 
     Point PointAt (double s) const { return Value(Parameter(s)); }
@@ -81,6 +82,4 @@ namespace ngsxfem_contact
   /// The cubic with the given values and derivatives at t = 0 and 1, as one piece or several.
   /// Throws where its derivative vanishes.
   std::vector<PiecePtr> MakeCubic (Point p0, Point d0, Point p1, Point d1);
-  /// The piece of a Description: "segment" by 2 points, "arc" by 3, "cubic" by 4. Throws for another one.
-  std::vector<PiecePtr> MakePieces (const std::string & kind, const std::vector<Point> & points);
 }

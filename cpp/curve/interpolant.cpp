@@ -33,7 +33,7 @@ namespace ngsxfem_contact
       Point Derivative (double t) const override { return Sum(dc, t); }
       Point SecondDerivative (double t) const override { return Sum(ddc, t); }
       PiecePtr Between (double t0, double t1) const override
-      { return MakeInterpolant([&] (double t) { return Value(t0+t); }, t1-t0); }
+      { return MakeInterpolant([&] (double t) { return Value(t1 > t0 ? t0+t : t0-t); }, std::abs(t1-t0)); }
       int GaussPoints (int order, double, double) const override { return order/2 + int(c.size()); }
       std::pair<std::string, std::vector<Point>> Description () const override { return { "interpolant", c }; }
 

@@ -5,14 +5,9 @@ namespace ngsxfem_contact
 {
   using ngcore::Exception;
 
-  MeshState :: MeshState (MeshAccess & mesh)
-    : num_elements(mesh.GetNE(VOL)), num_vertices(mesh.GetNV()), curve_order(mesh.GetCurveOrder()), deformed(mesh.GetDeformation() != nullptr) { }
-
   CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks, bool is_part)
     : mesh(amesh), located_in(*amesh), cracks(std::move(acracks))
   {
-    if (located_in.deformed)
-      throw Exception("CrackedMesh: the mesh is moved by SetDeformation, which cracks and rules know nothing of; build a mesh of the moved body");
     CheckNames();
     CheckTriangles(*mesh);
     BodyBoundary boundary(*mesh, is_part);
@@ -167,13 +162,6 @@ namespace ngsxfem_contact
       }
   }
 
-  size_t CrackedMesh :: Checked (size_t crack) const
-  {
-    if (crack >= cracks.size())
-      throw Exception("CrackedMesh: there is no crack " + std::to_string(crack) + "; the body has " + std::to_string(cracks.size()));
-    return crack;
-  }
-
   void CrackedMesh :: CheckNames () const
   {
     for (size_t c = 0; c < cracks.size(); c++)
@@ -205,14 +193,6 @@ namespace ngsxfem_contact
         points.push_back({ element, ElementMap(*mesh, element).PhysicalInReference(crack.PointAt(s), 0) });
       }
     return points;
-  }
-
-  void CrackedMesh :: CheckMesh () const
-  {
-    MeshState now(*mesh);
-    if (now == located_in) return;
-    string how = now.deformed ? "it is moved by SetDeformation" : now.curve_order != located_in.curve_order ? "it was curved" : "it was refined";
-    throw Exception("CrackedMesh: the mesh has changed since the cracks were located in it (" + how + "); build a new CrackedMesh, and all else on it anew");
   }
 
   void CrackedMesh :: FindTips (const BodyBoundary & boundary)
@@ -273,39 +253,10 @@ namespace ngsxfem_contact
     return std::ranges::min_element(cracks, {}, [x] (auto & crack) { return crack.Nearest(x).distance; }) - cracks.begin();
   }
 
-  std::vector<size_t> CrackedMesh :: CrackedElements () const
-  {
-    std::vector<size_t> elements;
-    for (auto & [element, cut] : cut_elements) elements.push_back(element);
-    return elements;
-  }
-
-  const DividedBoundary * CrackedMesh :: FindBoundary (size_t bnd_element) const
-  {
-    auto it = boundary_parts.find(bnd_element);
-    return it == boundary_parts.end() ? nullptr : &it->second;
-  }
-
   std::vector<std::array<size_t,2>> CrackedMesh :: Links (size_t edge) const
   {
     auto it = cut_edges.find(edge);
     if (it == cut_edges.end()) return { { 0, 0 } };
     return it->second.links;
-  }
-
-  const CutElement * CrackedMesh :: Find (size_t element) const
-  {
-    auto it = cut_elements.find(element);
-    return it == cut_elements.end() ? nullptr : &it->second;
-  }
-
-  shared_ptr<ngcore::BitArray> CrackedMesh :: CrackElements (std::optional<size_t> crack) const
-  {
-    if (crack) Checked(*crack);
-    auto elements = make_shared<ngcore::BitArray>(mesh->GetNE(VOL));
-    elements->Clear();
-    for (auto & [element, cut] : cut_elements)
-      if (!crack || cut.Find(*crack)) elements->SetBit(element);
-    return elements;
   }
 }

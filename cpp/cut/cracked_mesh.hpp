@@ -4,6 +4,7 @@
 #include "cut/crack_ends.hpp"
 #include "cut/crack_meetings.hpp"
 #include "cut/cut_element.hpp"
+#include "cut/mesh_state.hpp"
 #include "curve/tip_curve.hpp"
 #include <functional>
 #include <memory>
@@ -41,16 +42,6 @@ namespace ngsxfem_contact
     { return std::min<size_t>(std::ranges::lower_bound(ends, ip(0)) - ends.begin(), ends.size()-1); }
   };
 
-  /// What a mesh was when cracks were located in it.
-  struct MeshState
-  {
-    size_t num_elements, num_vertices;
-    int curve_order;
-    bool deformed;
-    explicit MeshState (MeshAccess & mesh);
-    auto operator<=> (const MeshState &) const = default;
-  };
-
   /// The CutGeometry of the plane: says where things are, and never changes. It is final, so that calls through its own type are not virtual.
   class CrackedMesh final : public CutGeometry<2>
   {
@@ -73,20 +64,20 @@ namespace ngsxfem_contact
     CrackedMesh (const CrackedMesh &) = delete;        // spaces, measures and functions share one
 
     shared_ptr<MeshAccess> GetMesh () const override { return mesh; }
-    void CheckMesh () const override;
+    void CheckMesh () const override { located_in.Check(*mesh); }
     size_t NumCracks () const override { return cracks.size(); }
     Frame<2> FrameAt (size_t crack, Point x) const override;
     size_t CrackAt (const ElementCracks<2> * element, Point x) const override;
-    const CutElement * Find (size_t element) const override;
-    std::vector<size_t> CrackedElements () const override;
-    const DividedBoundary * FindBoundary (size_t bnd_element) const override;
+    const CutElement * Find (size_t element) const override { return FindIn(cut_elements, element); }
+    std::vector<size_t> CrackedElements () const override { return ElementsOf(cut_elements); }
+    const DividedBoundary * FindBoundary (size_t bnd_element) const override { return FindIn(boundary_parts, bnd_element); }
     std::vector<std::array<size_t,2>> Links (size_t edge) const override;
 
     /// These throw for a number that is not below NumCracks().
     const Crack & GetCrack (size_t i) const { return cracks[Checked(i)]; }
     const CrackLocation & Location (size_t i) const { return locations[Checked(i)]; }
     /// The number of the crack with a name. Throws if there is none.
-    size_t CrackNumber (const string & name) const;
+    size_t CrackNumber (const string & name) const override;
     /// Points of a crack at arc lengths, each in an element that carries that part of it, in reference coordinates.
     std::vector<std::pair<size_t, ngfem::IntegrationPoint>> OnCrack (size_t crack, const std::vector<double> & arclengths) const;
     const std::vector<Crack> & Cracks() const { return cracks; }
@@ -94,14 +85,10 @@ namespace ngsxfem_contact
     /// What was changed at the ends of the cracks, in words.
     const std::vector<std::string> & Notes() const { return notes; }
 
-    /// Elements that carry a part of Γ_C (of one crack, or of all of them).
-    shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const;
-
     /// For each element that cracks meet: them and its parts.
     const std::map<size_t, CutElement> & CutElements() const { return cut_elements; }
 
   private:
-    size_t Checked (size_t crack) const;
     void CheckNames () const;
     void LocateCracks (const std::vector<std::vector<double>> & meetings);
     CutElement & CutElementOf (size_t element);

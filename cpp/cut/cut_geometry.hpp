@@ -1,10 +1,11 @@
 #pragma once
-// What the spaces and the forms ask of a body with cracks. The plane's answers are those of CrackedMesh.
+// What the spaces and the forms ask of a body with cracks. The plane's answers are those of CrackedMesh, in space those of CrackedSolid.
 
 #include "curve/crack.hpp"
 #include <algorithm>
 #include <comp.hpp>
 #include <functional>
+#include <map>
 #include <optional>
 
 namespace ngsxfem_contact
@@ -16,13 +17,13 @@ namespace ngsxfem_contact
     {
       Uncut,      // Γ_C does not meet the open element (it may pass through a vertex)
       Cut,        // Γ_C crosses it from boundary to boundary
-      Tip,        // Γ_C ends inside
+      Tip,        // Γ_C ends inside: a tip, of a sheet a front
       Aligned     // Γ_C runs along a facet that this element carries for both neighbours
     };
 
   struct ElementLocation;                  // of the plane, which its rules and multipliers ask for more
 
-  /// One of the cracks that meet an element.
+  /// One of the cracks that meet an element. location: in the plane.
   struct ElementCrack { size_t crack; const ElementLocation * location; ElementKind kind; };
 
   /// The parts on either side of Γ_C at a point of it, the same one beside a tip.
@@ -90,18 +91,55 @@ namespace ngsxfem_contact
   template <int D>
   struct Frame { Vec<D> normal; std::array<Vec<D>,D-1> tangents; };
 
-  /// A body in D dimensions. Nothing here depends on a space or a rule, and nothing changes. All answers are the same for neighbours: what an
-  /// element is told of a facet, its neighbour is told, too.
-  template <int D>
-  class CutGeometry
+  /// What a map holds for an element; nullptr: nothing.
+  template <typename T>
+  const T * FindIn (const std::map<size_t, T> & of_element, size_t element)
+  {
+    auto it = of_element.find(element);
+    return it == of_element.end() ? nullptr : &it->second;
+  }
+
+  /// The elements that a map holds something for.
+  template <typename T>
+  std::vector<size_t> ElementsOf (const std::map<size_t, T> & of_element)
+  {
+    std::vector<size_t> elements;
+    for (auto & [element, held] : of_element) elements.push_back(element);
+    return elements;
+  }
+
+  /// A body with cracks, of any dimension.
+  class CrackedBody
   {
   public:
-    virtual ~CutGeometry () = default;
+    virtual ~CrackedBody () = default;
     virtual shared_ptr<MeshAccess> GetMesh () const = 0;
     /// Throws if the mesh was changed after the cracks were located in it.
     virtual void CheckMesh () const = 0;
     virtual size_t NumCracks () const = 0;
+    /// Of the crack with a name; throws std::invalid_argument if there is none.
+    virtual size_t CrackNumber (const std::string & name) const
+    { throw std::invalid_argument("CrackedMesh: no crack is named '" + name + "'; sheets have no names, give the number"); }
+    /// Elements that carry a part of Γ_C (of one crack, or of all of them).
+    virtual shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const = 0;
 
+  protected:
+    /// Throws for a number that is not below NumCracks().
+    size_t Checked (size_t crack) const
+    {
+      if (crack >= NumCracks())
+        throw ngcore::Exception("CrackedMesh: there is no crack " + std::to_string(crack) + "; the body has " + std::to_string(NumCracks()));
+      return crack;
+    }
+  };
+
+  /// A body in D dimensions. Nothing here depends on a space or a rule, and nothing changes. All answers are the same for neighbours: what an
+  /// element is told of a facet, its neighbour is told, too.
+  template <int D>
+  class CutGeometry : public CrackedBody
+  {
+  public:
+    static constexpr int dimension = D;
     /// At the point of a crack that is nearest to x.
     virtual Frame<D> FrameAt (size_t crack, Vec<D> x) const = 0;
     /// The crack that x, a point of Γ_C, lies on: the nearest of those that meet the element, of all if there are none (nullptr).
@@ -115,5 +153,15 @@ namespace ngsxfem_contact
     virtual const BoundaryParts * FindBoundary (size_t bnd_element) const = 0;
     /// Which parts of the two elements beside a facet of the mesh hang together across it, in the mesh's order of the elements.
     virtual std::vector<std::array<size_t,2>> Links (size_t facet) const = 0;
+
+    shared_ptr<ngcore::BitArray> CrackElements (std::optional<size_t> crack = std::nullopt) const override
+    {
+      if (crack) Checked(*crack);
+      auto elements = make_shared<ngcore::BitArray>(GetMesh()->GetNE(ngfem::VOL));
+      elements->Clear();
+      for (size_t element : CrackedElements())
+        if (!crack || Find(element)->Find(*crack)) elements->SetBit(element);
+      return elements;
+    }
   };
 }

@@ -15,21 +15,24 @@ namespace ngsxfem_contact
     if (ar.Input()) value = std::any_cast<T>(any);
   }
 
-  static void ArchiveBody (Archive & ar, shared_ptr<const CrackedMesh> & body)
+  template <typename BODY>
+  static void ArchiveBody (Archive & ar, shared_ptr<const BODY> & body)
   {
-    auto own = std::const_pointer_cast<CrackedMesh>(body);
+    auto own = std::const_pointer_cast<BODY>(body);
     ArchiveForPython(ar, own);
     body = own;
   }
 
-  void CrackFrame :: DoArchive (Archive & ar)
+  template <typename BODY>
+  void CrackFrame<BODY> :: DoArchive (Archive & ar)
   {
     CoefficientFunctionNoDerivative::DoArchive(ar);
     ArchiveBody(ar, body);
     ar & tangent;
   }
 
-  void CrackLabel :: DoArchive (Archive & ar)
+  template <typename BODY>
+  void CrackLabel<BODY> :: DoArchive (Archive & ar)
   {
     CoefficientFunctionNoDerivative::DoArchive(ar);
     ArchiveBody(ar, body);
@@ -57,40 +60,63 @@ namespace ngsxfem_contact
     crack = own;
   }
 
-  static ngcore::RegisterClassForArchive<CrackFrame, CoefficientFunction> register_frame;
-  static ngcore::RegisterClassForArchive<CrackLabel, CoefficientFunction> register_label;
+  static ngcore::RegisterClassForArchive<CrackFrame<CrackedMesh>, CoefficientFunction> register_frame;
+  static ngcore::RegisterClassForArchive<CrackLabel<CrackedMesh>, CoefficientFunction> register_label;
+  static ngcore::RegisterClassForArchive<CrackFrame<CrackedSolid>, CoefficientFunction> register_solid_frame;
+  static ngcore::RegisterClassForArchive<CrackLabel<CrackedSolid>, CoefficientFunction> register_solid_label;
   static ngcore::RegisterClassForArchive<LargerPart, CoefficientFunction> register_larger_part;
   static ngcore::RegisterClassForArchive<CrackLimit, CoefficientFunction> register_limit;
   static ngcore::RegisterClassForArchive<CrackSide, CoefficientFunction> register_side;
 
-  CrackFrame :: CrackFrame (shared_ptr<const CrackedMesh> abody, bool atangent)
-    : CoefficientFunctionNoDerivative(2), body(abody), tangent(atangent) { }
+  namespace
+  {
+    template <int D>
+    Vec<D> PointOf (const BaseMappedIntegrationPoint & ip)
+    {
+      Vec<D> x;
+      for (int k = 0; k < D; k++) x(k) = ip.GetPoint()(k);
+      return x;
+    }
 
-  Point CrackFrame :: At (size_t element, Point x) const
+    template <int D>
+    Vec<D> PointOf (const SIMD_BaseMappedIntegrationRule & mir, size_t i, int lane)
+    {
+      Vec<D> x;
+      for (int k = 0; k < D; k++) x(k) = mir.GetPoints()(i, k)[lane];
+      return x;
+    }
+  }
+
+  template <typename BODY>
+  CrackFrame<BODY> :: CrackFrame (shared_ptr<const BODY> abody, bool atangent)
+    : CoefficientFunctionNoDerivative(D), body(abody), tangent(atangent) { }
+
+  template <typename BODY>
+  auto CrackFrame<BODY> :: At (size_t element, Vec<D> x) const -> Vec<D>
   {
     auto frame = body->FrameAt(body->CrackAt(body->Find(element), x), x);
     return tangent ? frame.tangents[0] : frame.normal;
   }
 
-  double CrackFrame :: Evaluate (const BaseMappedIntegrationPoint &) const
+  template <typename BODY>
+  double CrackFrame<BODY> :: Evaluate (const BaseMappedIntegrationPoint &) const
   { throw ngcore::Exception("CrackedMesh: normal and tangent are vectors; take a component such as body.normal[0]"); }
 
-  void CrackFrame :: Evaluate (const BaseMappedIntegrationPoint & ip, FlatVector<> result) const
-  {
-    auto x = ip.GetPoint();
-    result = At(ip.GetTransformation().GetElementNr(), Point(x(0), x(1)));
-  }
+  template <typename BODY>
+  void CrackFrame<BODY> :: Evaluate (const BaseMappedIntegrationPoint & ip, FlatVector<> result) const
+  { result = At(ip.GetTransformation().GetElementNr(), PointOf<D>(ip)); }
 
-  void CrackFrame :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  template <typename BODY>
+  void CrackFrame<BODY> :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
   {
-    auto x = mir.GetPoints();
     size_t element = mir.GetTransformation().GetElementNr();
     for (size_t i = 0; i < mir.Size(); i++)
-      for (int k = 0; k < 2; k++)
-        values(k, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane]))(k); });
+      for (int k = 0; k < D; k++)
+        values(k, i) = SIMD<double>([&] (int lane) { return At(element, PointOf<D>(mir, i, lane))(k); });
   }
 
-  double CrackLabel :: At (size_t element, Point x) const
+  template <typename BODY>
+  double CrackLabel<BODY> :: At (size_t element, Vec<BODY::dimension> x) const
   {
     auto cut = body->Find(element);
     if (!cut) return 0;
@@ -105,19 +131,22 @@ namespace ngsxfem_contact
     return 0;
   }
 
-  double CrackLabel :: Evaluate (const BaseMappedIntegrationPoint & ip) const
-  {
-    auto x = ip.GetPoint();
-    return At(ip.GetTransformation().GetElementNr(), Point(x(0), x(1)));
-  }
+  template <typename BODY>
+  double CrackLabel<BODY> :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  { return At(ip.GetTransformation().GetElementNr(), PointOf<BODY::dimension>(ip)); }
 
-  void CrackLabel :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
+  template <typename BODY>
+  void CrackLabel<BODY> :: Evaluate (const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> values) const
   {
-    auto x = mir.GetPoints();
     size_t element = mir.GetTransformation().GetElementNr();
     for (size_t i = 0; i < mir.Size(); i++)
-      values(0, i) = SIMD<double>([&] (int lane) { return At(element, Point(x(i,0)[lane], x(i,1)[lane])); });
+      values(0, i) = SIMD<double>([&] (int lane) { return At(element, PointOf<BODY::dimension>(mir, i, lane)); });
   }
+
+  template class CrackFrame<CrackedMesh>;
+  template class CrackFrame<CrackedSolid>;
+  template class CrackLabel<CrackedMesh>;
+  template class CrackLabel<CrackedSolid>;
 
   double LargerPart :: At (size_t element, const IntegrationPoint & ip) const
   {

@@ -4,44 +4,48 @@
 // Their archives are those of pickle: body and crack go into them as objects of Python, so that what is read again shares them.
 
 #include "cut/cracked_mesh.hpp"
+#include "cut/cracked_solid.hpp"
 #include <coefficient.hpp>
 
 namespace ngsxfem_contact
 {
   using ngfem::CoefficientFunction;
 
-  /// n (tangent = false) or t of the crack of the element; elsewhere of the nearest crack.
+  /// n (tangent = false) or the first tangent of the crack of the element; elsewhere of the nearest crack. BODY: CrackedMesh or CrackedSolid.
+  template <typename BODY>
   class CrackFrame : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<const CrackedMesh> body;
+    static constexpr int D = BODY::dimension;
+    shared_ptr<const BODY> body;
     bool tangent;
   public:
-    CrackFrame (shared_ptr<const CrackedMesh> abody = nullptr, bool atangent = false);
+    CrackFrame (shared_ptr<const BODY> abody = nullptr, bool atangent = false);
     void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::BaseMappedIntegrationPoint & ip, ngbla::FlatVector<> result) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
   private:
-    Point At (size_t element, Point x) const;
+    Vec<D> At (size_t element, Vec<D> x) const;
   };
 
   /// What a CrackLabel tells: the side of the larger part (±1), the number of the crack, whether the larger part is that of the plus or of the minus side.
   enum class Label { LargerSide, CrackNumber, LargerIsPlus, LargerIsMinus };
 
   /// A number that belongs to a point of Γ_C; 0 in elements that no crack meets.
+  template <typename BODY>
   class CrackLabel : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<const CrackedMesh> body;
+    shared_ptr<const BODY> body;
     Label label;
   public:
-    CrackLabel (shared_ptr<const CrackedMesh> abody = nullptr, Label alabel = Label::LargerSide) : CoefficientFunctionNoDerivative(1), body(abody), label(alabel) { }
+    CrackLabel (shared_ptr<const BODY> abody = nullptr, Label alabel = Label::LargerSide) : CoefficientFunctionNoDerivative(1), body(abody), label(alabel) { }
     void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;
     void Evaluate (const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::BareSliceMatrix<ngcore::SIMD<double>> values) const override;
   private:
-    double At (size_t element, Point x) const;
+    double At (size_t element, Vec<BODY::dimension> x) const;
   };
 
   /// 1 in the larger parts beside Γ_C, 0 elsewhere, by the position of a point.

@@ -279,7 +279,7 @@ namespace ngsxfem_contact
     auto regions = DefinedOn(ma);
     std::atomic<bool> use_simd = true;
     std::atomic<double> sum = 0.0;
-    LocalHeap glh(HeapFor(*table, ma.GetNE(dx.vb)), "cut integral", true);
+    LocalHeap glh(heap_for_points, "cut integral", true);
     ma.IterateElements(dx.vb, glh, [&] (Ngs_Element el, LocalHeap & lh)
     {
       if (dx.definedonelements && !dx.definedonelements->Test(el.Nr())) return;
@@ -290,19 +290,31 @@ namespace ngsxfem_contact
       auto scalar = [&]
       {
         IntegrationRule standard(trafo.GetElementType(), order);
-        auto & mir = trafo(rule ? rule->ir : standard, lh);
-        FlatMatrix<double> values(mir.Size(), 1, lh);
-        cf->Evaluate(mir, values);
-        for (size_t i = 0; i < mir.Size(); i++) value += mir[i].GetWeight() * values(i, 0);
+        auto & ir = rule ? rule->ir : standard;
+        for (size_t first = 0; first < ir.Size(); first += points_at_once)
+          {
+            HeapReset hr(lh);
+            auto some = ir.Range(first, std::min(first+points_at_once, ir.Size()));
+            auto & mir = trafo(some, lh);
+            FlatMatrix<double> values(mir.Size(), 1, lh);
+            cf->Evaluate(mir, values);
+            for (size_t i = 0; i < mir.Size(); i++) value += mir[i].GetWeight() * values(i, 0);
+          }
       };
       auto simd = [&]
       {
         SIMD_IntegrationRule standard(trafo.GetElementType(), order);
-        auto & mir = trafo(rule ? rule->simd_ir : standard, lh);
-        FlatMatrix<SIMD<double>> values(1, mir.Size(), lh);
-        cf->Evaluate(mir, values);
+        auto & ir = rule ? rule->simd_ir : standard;
         SIMD<double> total(0.);
-        for (size_t i = 0; i < mir.Size(); i++) total += mir[i].GetWeight() * values(0, i);
+        for (size_t first = 0; first < ir.Size(); first += points_at_once)
+          {
+            HeapReset hr(lh);
+            auto some = ir.Range(first, std::min(first+points_at_once, ir.Size()));
+            auto & mir = trafo(some, lh);
+            FlatMatrix<SIMD<double>> values(1, mir.Size(), lh);
+            cf->Evaluate(mir, values);
+            for (size_t i = 0; i < mir.Size(); i++) total += mir[i].GetWeight() * values(0, i);
+          }
         value = HSum(total);
       };
       if (use_simd)

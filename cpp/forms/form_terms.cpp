@@ -44,7 +44,9 @@ namespace ngsxfem_contact
   {
     auto cut = dynamic_pointer_cast<CutIntegral>(term.integral);
     if (!cut) throw ngcore::Exception("a term over a measure of NGSolve is none of a body");
-    return { term.body, cut->GetMeasure().kind, term.vb, term.integral->dx.bonus_intorder, term.elements, term.regions };
+    auto body = dynamic_pointer_cast<const CrackedMesh>(term.body);
+    if (!body) throw ngcore::Exception("a term over a body in space cannot be saved; there are problems for plane bodies only");
+    return { body, cut->GetMeasure().kind, term.vb, term.integral->dx.bonus_intorder, term.elements, term.regions };
   }
 
   FormTerm TermAt (const TermPlace & place, shared_ptr<CoefficientFunction> integrand)

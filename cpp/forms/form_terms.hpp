@@ -10,7 +10,7 @@ namespace ngsxfem_contact
   struct FormTerm
   {
     shared_ptr<ngfem::Integral> integral;
-    shared_ptr<const CrackedMesh> body;                     // of its measure; nullptr: a measure of NGSolve
+    shared_ptr<const CrackedBody> body;                     // of its measure; nullptr: a measure of NGSolve
     Domain domain;
     VorB vb;
     std::optional<size_t> crack;                      // the only one that it is taken over

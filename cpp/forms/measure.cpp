@@ -12,7 +12,7 @@ namespace ngsxfem_contact
     space.TraverseTree([&] (const ngcomp::FESpace & part)
     {
       auto asking = dynamic_cast<const AsksForRules*>(&part);
-      if (asking && &asking->Rules().Body() == body.get()) with.rules = RulesOf(body, Merged(with.rules->Demands(), asking->Rules().Demands()));
+      if (asking && &asking->Rules().Body() == body.get()) with.rules = with.rules->MergedWith(asking->Rules());
     });
     return with;
   }
@@ -30,10 +30,10 @@ namespace ngsxfem_contact
     return with;
   }
 
-  CutDifferentialSymbol CutDifferentialSymbol :: OnCracks (shared_ptr<const CrackedMesh> body, RuleKind kind)
+  CutDifferentialSymbol CutDifferentialSymbol :: OnCracks (Measure measure)
   {
-    CutDifferentialSymbol dx(Measure { body, std::move(kind) }, VOL);
-    dx.definedonelements = body->CrackElements();
+    CutDifferentialSymbol dx(measure, VOL);
+    dx.definedonelements = measure.body->CrackElements();
     return dx;
   }
 
@@ -55,6 +55,14 @@ namespace ngsxfem_contact
           if (dx.definedonelements) both->And(*dx.definedonelements);
           dx.definedonelements = both;
         }
+    if (to.fronts)
+      {
+        auto solid = dynamic_pointer_cast<const CrackedSolid>(measure.body);
+        if (!solid) throw ngcore::Exception("this measure is one of a plane body, which has tips and no fronts; give space=V, whose functions at tips the rules serve then");
+        dx.measure.rules = dx.measure.rules->MergedWith(*RulesOf(solid, to.fronts));
+      }
+    if (to.nodes && measure.body->GetMesh()->GetDimension() != 2)
+      throw ngcore::Exception("this measure is one of a solid; nodes are arc lengths on the cracks of a plane body");
     if (to.nodes) dx.measure.kind.division = make_shared<ArcLengths>(*to.nodes);
     if (to.crack && dx.measure.kind.domain != Domain::Bulk) dx.measure.kind.crack = to.crack;
     if (!to.definedon) return dx;
@@ -68,20 +76,15 @@ namespace ngsxfem_contact
     return dx;
   }
 
-  size_t HeapFor (const RuleTable & table, size_t num_elements)
-  {
-    size_t points = 0;
-    for (size_t i = 0; i < num_elements; i++)
-      if (auto rule = table.Find(i)) points = std::max<size_t>(points, rule->ir.Size());
-    return 10000000 + 8000*points;
-  }
-
   MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order)
   {
     MeasurePoints points;
     auto & mesh = *symbol.measure.body->GetMesh();
+    size_t dimension = mesh.GetDimension();
+    points.reference.resize(dimension);
+    points.place.resize(dimension);
     auto table = symbol.measure.Rules(symbol.vb, order);
-    LocalHeap lh(HeapFor(*table, mesh.GetNE(symbol.vb)), "points of a measure");
+    LocalHeap lh(heap_for_points, "points of a measure");
     for (auto el : mesh.Elements(symbol.vb))
       {
         if (symbol.definedonelements && !symbol.definedonelements->Test(el.Nr())) continue;
@@ -89,15 +92,22 @@ namespace ngsxfem_contact
         auto & trafo = mesh.GetTrafo(el, lh);
         IntegrationRule standard(trafo.GetElementType(), order);
         auto rule = table->Find(el.Nr());
-        auto & mir = trafo(rule ? rule->ir : standard, lh);
-        for (size_t i = 0; i < mir.Size(); i++)
+        auto & ir = rule ? rule->ir : standard;
+        for (size_t first = 0; first < ir.Size(); first += points_at_once)
           {
-            points.element.push_back(el.Nr());
-            points.xi.push_back(mir[i].IP()(0));
-            points.eta.push_back(mir[i].IP()(1));
-            points.weight.push_back(mir[i].GetWeight());
-            points.x.push_back(mir[i].GetPoint()(0));
-            points.y.push_back(mir[i].GetPoint()(1));
+            HeapReset some_points(lh);
+            auto some = ir.Range(first, std::min(first+points_at_once, ir.Size()));
+            auto & mir = trafo(some, lh);
+            for (size_t i = 0; i < mir.Size(); i++)
+              {
+                points.element.push_back(el.Nr());
+                points.weight.push_back(mir[i].GetWeight());
+                for (size_t k = 0; k < dimension; k++)
+                  {
+                    points.reference[k].push_back(mir[i].IP()(k));
+                    points.place[k].push_back(mir[i].GetPoint()(k));
+                  }
+              }
           }
       }
     return points;

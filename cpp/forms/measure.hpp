@@ -2,6 +2,7 @@
 // The measures body.dx, body.ds, body.dlarger, body.dcrack: NGSolve's differential symbols with the rules of a cracked mesh.
 
 #include "rules/body_rules.hpp"
+#include "rules/solid_rules.hpp"
 #include <integratorcf.hpp>
 #include <variant>
 
@@ -11,11 +12,13 @@ namespace ngsxfem_contact
 
   struct Measure
   {
-    shared_ptr<const CrackedMesh> body;
+    shared_ptr<const CrackedBody> body;
     RuleKind kind;
-    shared_ptr<const BodyRules> rules;
+    shared_ptr<const MeasureRules> rules;
 
-    Measure (shared_ptr<const CrackedMesh> abody, RuleKind akind) : body(abody), kind(std::move(akind)), rules(RulesOf(body, {})) { }
+    Measure (shared_ptr<const CrackedMesh> abody, RuleKind akind) : body(abody), kind(std::move(akind)), rules(RulesOf(abody, {})) { }
+    Measure (shared_ptr<const CrackedSolid> abody, RuleKind akind, std::optional<FrontDemand> demand = std::nullopt)
+      : body(abody), kind(std::move(akind)), rules(RulesOf(abody, demand)) { }
 
     shared_ptr<const RuleTable> Rules (VorB vb, int order) const { return rules->Table(kind, vb, order); }
     /// With rules for the functions of a space, too, if it is one on this body.
@@ -33,6 +36,7 @@ namespace ngsxfem_contact
     std::optional<size_t> crack;
     std::optional<std::vector<std::vector<double>>> nodes;                  // arc lengths at which rules on Γ_C are divided
     shared_ptr<ngcomp::FESpace> space;                                      // whose functions the rules serve, too
+    std::optional<FrontDemand> fronts;                                      // of functions that are singular at the fronts of a solid
   };
 
   class CutDifferentialSymbol : public ngfem::DifferentialSymbol
@@ -41,7 +45,7 @@ namespace ngsxfem_contact
     Measure measure;
     CutDifferentialSymbol (Measure ameasure, VorB avb) : DifferentialSymbol(avb), measure(std::move(ameasure)) { }
     /// On Γ_C, or on the larger parts beside it: on the elements that cracks meet.
-    static CutDifferentialSymbol OnCracks (shared_ptr<const CrackedMesh> body, RuleKind kind);
+    static CutDifferentialSymbol OnCracks (Measure measure);
     /// Throws for regions that the mesh does not have, or that are of another dimension.
     CutDifferentialSymbol Restricted (const Restriction & to) const;
     /// With rules for the functions of a space, if there is one.
@@ -49,10 +53,10 @@ namespace ngsxfem_contact
     shared_ptr<ngfem::Integral> MakeIntegral (shared_ptr<CoefficientFunction> cf) const override;
   };
 
-  /// Bytes for the evaluation of a function in all points of the largest rule: a tip close to a vertex takes 1e5 points.
-  size_t HeapFor (const RuleTable & table, size_t num_elements);
+  /// NGSolve evaluates functions on the stack, and a rule may have 1e5 points: so many of them at a time, and bytes for that.
+  constexpr size_t points_at_once = 2000, heap_for_points = 30000000;
 
-  /// The points of a measure, element by element: reference coordinates, physical weights and places.
-  struct MeasurePoints { std::vector<size_t> element; std::vector<double> xi, eta, weight, x, y; };
+  /// The points of a measure, element by element: physical weights, and by dimension of the body reference coordinates and places.
+  struct MeasurePoints { std::vector<size_t> element; std::vector<double> weight; std::vector<std::vector<double>> reference, place; };
   MeasurePoints RulePoints (const CutDifferentialSymbol & symbol, int order);
 }

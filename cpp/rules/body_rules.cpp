@@ -5,20 +5,6 @@ namespace ngsxfem_contact
 {
   using ngfem::IntegrationRule, ngfem::IntegrationPoint;
 
-  void RuleTable :: AddGauss (size_t element, int order)
-  {
-    auto [it, is_new] = gauss.insert({ order, int(rules.size()) });
-    if (is_new) rules.push_back(std::make_unique<ElementRule>(ngfem::SelectIntegrationRule(ngfem::ET_TRIG, order).Copy()));
-    index[element] = it->second;
-  }
-
-  bool RuleKind :: operator< (const RuleKind & other) const
-  {
-    auto rest = [] (const RuleKind & kind) { return std::tuple(kind.domain, kind.crack, bool(kind.division)); };
-    if (rest(*this) != rest(other) || !division) return rest(*this) < rest(other);
-    return division->Compare(*other.division) < 0;
-  }
-
   TipDemands Merged (TipDemands a, const TipDemands & b)
   {
     for (auto & [tip, demand] : b)
@@ -167,7 +153,7 @@ namespace ngsxfem_contact
 
       shared_ptr<RuleTable> VolumeTable () const
       {
-        auto table = make_shared<RuleTable>(mesh.GetNE(VOL));
+        auto table = make_shared<RuleTable>(ngfem::ET_TRIG, mesh.GetNE(VOL));
         auto needed = CrackElements();
         for (auto & [element, cut] : body.CutElements())
           if (needed->Test(element)) table->Add(element, VolumeRule(element));
@@ -208,7 +194,7 @@ namespace ngsxfem_contact
 
       shared_ptr<RuleTable> CrackTable () const
       {
-        auto table = make_shared<RuleTable>(mesh.GetNE(VOL));
+        auto table = make_shared<RuleTable>(ngfem::ET_TRIG, mesh.GetNE(VOL));
         ArcLengths none({});
         auto & division = kind.division ? dynamic_cast<const ArcLengths&>(*kind.division) : none;
         auto needed = CrackElements();
@@ -259,7 +245,7 @@ namespace ngsxfem_contact
           for (auto & [element, edge] : body.Location(c).BoundaryEdges()) cuts[element].push_back(1-edge.along);
         for (size_t element = 0; !tips.empty() && element < mesh.GetNE(BND); element++)
           if (!TipsNearEdge(element).empty()) cuts[element];
-        auto table = make_shared<RuleTable>(mesh.GetNE(BND));
+        auto table = make_shared<RuleTable>(ngfem::ET_SEGM, mesh.GetNE(BND));
         for (auto & [element, on_edge] : cuts) table->Add(element, BoundaryRule(element, on_edge));
         return table;
       }
@@ -288,36 +274,11 @@ namespace ngsxfem_contact
 
   namespace
   {
-    /// The rules that are in use.
-    class KeptRules
-    {
-      std::mutex mutex;
-      std::map<std::pair<const CrackedMesh*, TipDemands>, std::weak_ptr<const BodyRules>> known;
-
-    public:
-      shared_ptr<const BodyRules> Find (shared_ptr<const CrackedMesh> body, const TipDemands & demands)
-      {
-        std::lock_guard guard(mutex);
-        Forget();
-        auto & kept = known[{ body.get(), demands }];
-        auto rules = kept.lock();
-        if (!rules) kept = rules = make_shared<BodyRules>(body, demands);
-        return rules;
-      }
-
-      size_t Count (const CrackedMesh & body)
-      {
-        std::lock_guard guard(mutex);
-        Forget();
-        return std::ranges::count_if(known, [&] (auto & item) { return item.first.first == &body; });
-      }
-
-    private:
-      void Forget () { std::erase_if(known, [] (auto & item) { return item.second.expired(); }); }
-    };
-
-    KeptRules kept_rules;
+    KeptRules<CrackedMesh, TipDemands, BodyRules> kept_rules;
   }
+
+  shared_ptr<const MeasureRules> BodyRules :: MergedWith (const MeasureRules & other) const
+  { return RulesOf(body, Merged(demands, dynamic_cast<const BodyRules&>(other).Demands())); }
 
   shared_ptr<const BodyRules> RulesOf (shared_ptr<const CrackedMesh> body, const TipDemands & demands) { return kept_rules.Find(std::move(body), demands); }
 

@@ -360,7 +360,7 @@ namespace ngsxfem_contact
   }
 
   CutDifferentialSymbol TraceSpace :: CrackSymbol () const
-  { return CutDifferentialSymbol::OnCracks(body, { Domain::Crack, basis->Division(), std::nullopt }); }
+  { return CutDifferentialSymbol::OnCracks(Measure { body, { Domain::Crack, basis->Division(), std::nullopt } }); }
 
   void TraceSpace :: Update ()
   {

@@ -121,38 +121,32 @@ class FaceProblem:
 
     def _step(self, D: np.ndarray, rhs: np.ndarray) -> np.ndarray:
         """x of Matrix x = rhs for g' = D, with one step of refinement."""
-        x = self._with_inverse(D, rhs)
-        t = (self.Trial(x) - self.c * self._jump(D, x)).ravel()
-        done = np.append(self.m * self._jump(D, x).ravel() + self.Q.matrix @ t + self.B @ x[len(self.q) :], self.B.T @ t)
-        return x + self._with_inverse(D, rhs - done)
-
-    def _jump(self, D: np.ndarray, x: np.ndarray) -> np.ndarray:
-        return np.einsum("ikn,kn->in", D, self.Trial(x))
-
-    def _with_inverse(self, D: np.ndarray, rhs: np.ndarray) -> np.ndarray:
         size, n = len(self.q), len(self.weights)
-        P, (W, S) = self.Q.inverse, self._by_motion
-        rigid = np.flatnonzero(~D.any(axis=1).ravel())
-        moves = np.setdiff1d(np.arange(size), rigid)  # rows of g' that are not zero
-        there, c, m = moves % n, self.c.ravel(), self.m
+        P, (W, S), c, m = self.Q.inverse, self._by_motion, self.c.ravel(), self.m
+        moves = np.flatnonzero(D.any(axis=1).ravel())  # rows of g' that are not zero
+        there = moves % n
+        by_y = D.reshape(2, 2, n)[moves // n, :, there].T  # of each moving row by the two components of y there
+        matrix, by_motion = np.eye(len(moves)), np.linalg.solve(S, W[moves].T)
+        for k in range(2):
+            rows = there + k * n
+            column = P[np.ix_(rows, moves)] - W[rows] @ by_motion
+            matrix += by_y[k][:, None] * (column * m[moves] - np.where(rows[:, None] == moves, c[moves], 0))
 
         def tied(f: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             alpha = np.linalg.solve(S, W.T @ f - h)
             return P @ f - W @ alpha, alpha
 
-        y, alpha = tied(rhs[:size], rhs[size:])
-        if not len(moves):
-            return np.append(y, alpha)
-        by_y = D.reshape(2, 2, n)[moves // n, :, there].T  # of each moving row by the two components of y there
-        matrix = np.eye(len(moves))
-        for k in range(2):
-            rows = there + k * n
-            column = P[np.ix_(rows, moves)] - W[rows] @ np.linalg.solve(S, W[moves].T)
-            matrix += by_y[k][:, None] * (column * m[moves] - np.where(rows[:, None] == moves, c[moves], 0))
-        g = np.zeros(size)
-        g[moves] = np.linalg.solve(matrix, sum(by_y[k] * y[there + k * n] for k in range(2)))
-        still, back = tied(m * g, np.zeros(len(self.pull)))
-        return np.append(y + c * g - still, alpha - back)
+        def solved(rhs: np.ndarray) -> np.ndarray:
+            (y, alpha), g = tied(rhs[:size], rhs[size:]), np.zeros(size)
+            g[moves] = np.linalg.solve(matrix, sum(by_y[k] * y[there + k * n] for k in range(2)))
+            still, back = tied(m * g, np.zeros(len(self.pull)))
+            return np.append(y + c * g - still, alpha - back)
+
+        x = solved(rhs)
+        g = np.einsum("ikn,kn->in", D, self.Trial(x))
+        t = (self.Trial(x) - self.c * g).ravel()
+        done = np.append(m * g.ravel() + self.Q.matrix @ t + self.B @ x[size:], self.B.T @ t)
+        return x + solved(rhs - done)
 
     @cached_property
     def _by_motion(self) -> tuple[np.ndarray, np.ndarray]:

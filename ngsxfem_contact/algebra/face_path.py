@@ -113,18 +113,18 @@ class FacePath:
     def _near(self, point: PathPoint, iterations: int, step: float) -> tuple[PathPoint, int]:
         """The same; raises Stuck for a point on another path: where faces go back by much more than the step, those that are ahead turn round, or the load does."""
         growth, _ = self.Growths(point.z)
-        if growth.max() > step * (1 + 1e-6) or growth.min() < -FAR * step or self._turns(point, growth > 0.5 * step):
+        if growth.max() > step * (1 + 1e-6) or growth.min() < -FAR * step or self._turns(point, growth > 0.5 * step, step):
             nodes = np.argsort(-self.problem.relation.Progress(self.problem.Trial(self.last.z), self.problem.c, self.problem.before)[0])
             raise Stuck("the point that it found is on another path", nodes[:3].tolist())
         return point, iterations
 
-    def _turns(self, point: PathPoint, ahead: np.ndarray) -> bool:
+    def _turns(self, point: PathPoint, ahead: np.ndarray, step: float) -> bool:
         """Whether nodes go against their last step, or the load jumps to the other sign."""
         if self.earlier is None:
             return False
         before, now, after = (self.problem.Jump(at.z)[:, ahead] for at in (self.earlier, self.last, point))
         reverses = point.t * self.last.t < 0 and abs(point.t - self.last.t) > FAR * abs(self.last.t - self.earlier.t)
-        return reverses or bool(((after - now) * (now - before)).sum() < 0)
+        return reverses or bool(((after - now) * (now - before)).sum() < -1e-3 * step**2)
 
     def Step(self, step: float, max_iterations: int, smallest: float = 1e-3) -> tuple[PathPoint, int]:
         """The same, in parts of the step where Newton's method does not take it at once. Raises NotConverged."""

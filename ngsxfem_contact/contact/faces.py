@@ -59,7 +59,7 @@ def check_continued(old: Nodes, new: Nodes) -> None:
             raise ValueError(f"the history of crack {crack} has no place: there is none of that number now; give all cracks in the order in which they were")
         a, b = new.positions[now.T]
         feet = nearest_on(there, a, b)
-        off = np.linalg.norm(a[feet] + parts_before(there, a[feet], b[feet])[:, None] * (b - a)[feet] - there, axis=1)
+        off = np.linalg.norm(to_feet(there, a[feet], b[feet])[1], axis=1)
         if off.max() > max(longest(old, before), longest(new, now)):
             place = ", ".join(f"{value:.6g}" for value in there[int(np.argmax(off))])
             raise ValueError(f"the history of crack {crack} at ({place}) is not on that crack now; each may be longer than it was, but not another one")
@@ -82,9 +82,10 @@ def between_nodes(old: Nodes, new: Nodes) -> np.ndarray:
             continue  # a crack that has started
         a, b = old.positions[pairs.T]
         feet = nearest_on(new.positions[here] + 1e-3 * inward[here], a, b)
-        part = parts_before(new.positions[here], a[feet], b[feet])
-        off = np.linalg.norm(a[feet] + part[:, None] * (b - a)[feet] - new.positions[here], axis=1)
-        near = off <= 1.0001 * np.maximum(0.5 * np.linalg.norm((b - a)[feet], axis=1), old.weights[pairs[feet, (part > 0.5).astype(int)]])
+        part, ways = to_feet(new.positions[here], a[feet], b[feet])
+        near = np.linalg.norm(ways, axis=1) <= 1.0001 * np.maximum(
+            0.5 * np.linalg.norm((b - a)[feet], axis=1), old.weights[pairs[feet, (part > 0.5).astype(int)]]
+        )
         for end, share in ((0, 1 - part), (1, part)):
             np.add.at(P, (here[near], pairs[feet[near], end]), share[near])
     return P
@@ -97,14 +98,15 @@ def intervals(nodes: Nodes, crack: int) -> np.ndarray:
     return np.concatenate([nodes.neighbours[nodes.cracks[nodes.neighbours[:, 0]] == crack], np.column_stack([alone, alone])]).astype(int)
 
 
-def parts_before(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(n,): how much of the intervals from a to b is before the foot of each point, from 0 to 1; (n, dimension) each, or one point."""
-    return np.clip(((points - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), np.finfo(float).tiny), 0, 1)
+def to_feet(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,), how much of the intervals from a to b is before the foot of each point, from 0 to 1, and (n, dimension), the way to it; (n, dimension) each, or one point."""
+    part = np.clip(((points - a) * (b - a)).sum(axis=1) / np.maximum(((b - a) ** 2).sum(axis=1), np.finfo(float).tiny), 0, 1)
+    return part, a + part[:, None] * (b - a) - points
 
 
 def nearest_on(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(n,): which of the intervals from a to b, (k, dimension) each, is the nearest to each of the points."""
-    return np.array([int(np.argmin(((a + parts_before(point, a, b)[:, None] * (b - a) - point) ** 2).sum(axis=1))) for point in points], dtype=int)
+    return np.array([int(np.argmin((to_feet(point, a, b)[1] ** 2).sum(axis=1))) for point in points], dtype=int)
 
 
 def directions_inward(nodes: Nodes) -> np.ndarray:

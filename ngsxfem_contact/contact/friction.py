@@ -39,6 +39,7 @@ class Frictionless:
 
     components = (NORMAL,)
     depends_on_path = False
+    follows_pressure = True
 
     def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report, max_iterations: int) -> np.ndarray:
         """p, and α; books its iterations in the report."""
@@ -203,6 +204,8 @@ class Coulomb(Friction):
 
     mu_f: float | CoefficientFunction
     method: NodalMethod = FullNewton()
+
+    follows_pressure = True
 
     def __post_init__(self) -> None:
         check_threshold(self.mu_f, "Coulomb: mu_f")

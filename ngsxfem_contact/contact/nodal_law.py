@@ -164,6 +164,11 @@ class LawByCrack(NodalLaw):
         return f"{self.laws}, on others {self.otherwise}"
 
     @property
+    def follows_pressure(self) -> bool:
+        """Whether all tangential tractions are at most a multiple of the pressure."""
+        return all(getattr(law, "follows_pressure", False) for law in (*self.laws.values(), self.otherwise))
+
+    @property
     def softening(self) -> Coefficient | None:
         """The sum of all."""
         slopes = [slope for law in (*self.laws.values(), self.otherwise) if (slope := getattr(law, "softening", None)) is not None]

@@ -30,7 +30,8 @@ class CrackProfile(Table):
     x, y
         The points.
     gap
-        g_n ≥ 0.
+        g_n = jump(u)·n of u_h, without the initial gap g_0 of the problem. Contact keeps g_n + g_0 ≥ 0 in the mean with each function of the multiplier; between nodes the
+        faces may overlap by the error of discretisation.
     slip
         g_t.
     sigma_n

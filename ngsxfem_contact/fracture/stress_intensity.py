@@ -115,9 +115,11 @@ def solution_field(solution: ContactSolution, frame: TipFrame) -> TipField:
     multiplier, mean = pressures(solution)
     # the lips of a bent tip function are not free of traction: σ_n(u_h) is the worse one there
     straight = frame.crack.CurvatureAt(frame.tip.s) == 0
-    contact = (0.5 * (multiplier + mean) if straight else multiplier) * body.normal
+    pressure = 0.5 * (multiplier + mean) if straight else multiplier
+    contact = pressure * body.normal
     if solution.tangential_multiplier is not None:
-        contact = contact + solution.tangential_multiplier * body.tangent
+        factor = IfPos(-multiplier, pressure / multiplier, 1) if follows_pressure(solution) else 1
+        contact = contact + factor * solution.tangential_multiplier * body.tangent
     elif solution.a.joint is not None:  # shear that a joint carries: the mean of what it says and of σ(u_h), as for λ
         contact = contact + 0.5 * sum(0.5 * solution.Traction(TANGENTIAL, side) for side in SIDE) * body.tangent
     own = solution.FaceTractions()
@@ -161,11 +163,16 @@ def pressures(solution: ContactSolution) -> tuple[GridFunction, CoefficientFunct
     return solution.multiplier, IfPos(-solution.multiplier - threshold, mean, solution.multiplier)
 
 
+def follows_pressure(solution: ContactSolution) -> bool:
+    """Whether the friction is at most a multiple of the pressure, so that an error of the one is an error of the other."""
+    return solution.tangential_multiplier is not None and getattr(solution.problem.law, "follows_pressure", False)
+
+
 def doubtful_traction(solution: ContactSolution) -> CoefficientFunction:
-    """By how much λ_h differs from the mean of R_h(u_h) + r_0 from both sides where the faces touch, a vector on the cracks; friction goes with it."""
+    """By how much λ_h differs from the mean of R_h(u_h) + r_0 from both sides where the faces touch, a vector on the cracks; with Coulomb's law friction goes with it."""
     body, (multiplier, mean) = solution.body, pressures(solution)
     direction = body.normal
-    if solution.tangential_multiplier is not None:
+    if follows_pressure(solution):
         direction = direction + IfPos(-multiplier, solution.tangential_multiplier / multiplier, 0) * body.tangent
     return (multiplier - mean) * direction
 

@@ -14,6 +14,7 @@ from ..material import Elasticity, Isotropic
 from ..points import place
 from ..protocols import TipFunctions, check_role
 from ..share import share_in
+from ..sheets import check_plane_body
 from .resolution import warn_of_coarse
 from .tip_disk import check_disk, largest_disk
 
@@ -172,7 +173,7 @@ class CrackFESpace(Described, core.CrackFESpace):
         **flags: Any,
     ) -> None:
         check_flags(flags)
-        check_type(body, core.CrackedMesh, "CrackFESpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
+        check_plane_body(body, "CrackFESpace: body")
         check_whole(order, "CrackFESpace: order", 1)
         check_type(material, Isotropic | None, "CrackFESpace: material", "an Elasticity")
         for name, pattern in (("dirichlet", dirichlet), ("dirichletx", dirichletx), ("dirichlety", dirichlety)):

@@ -11,9 +11,10 @@ from ngsolve import BilinearForm, CoefficientFunction, GridFunction, LinearForm
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
-from ..arguments import check_type, check_whole
+from ..arguments import check_whole
 from ..description import Described, numbered
 from ..share import share_in
+from ..sheets import check_plane_body
 from .nodes import CurveNodes
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ class TraceSpace(Described, core.TraceSpace):
     """
 
     def __init__(self, body: CrackedMesh, order: int = 1, basis: str = "nodal", nodes: Any = None) -> None:
-        check_type(body, core.CrackedMesh, "TraceSpace: body", "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")
+        check_plane_body(body, "TraceSpace: body")
         check_whole(order, "TraceSpace: order", 0)
         if nodes is None:
             nodes = [body.MeshNodes(c, order > 0) for c in range(len(body.cracks))]

@@ -58,7 +58,7 @@ def test_a_solution_is_read_in_another_process(path):
             read = ContactSolution.Load({str(path)!r})
             further = CASES[{name!r}].Problem(read.problem.V, read.problem.W, -2).Solve(previous=read)
             print(json.dumps([numbers(read).tolist(), numbers(further).tolist()]))"""
-        run = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=True)
+        run = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=True, cwd=path.parent)
         there = [np.array(row) for row in json.loads(run.stdout)]
         same(there[0], numbers(solution))
         same(there[1], numbers(CASES[name].Problem(V, W, -2).Solve(previous=solution)), 1e-12 if name.startswith("refined") else 1e-14)

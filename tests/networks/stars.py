@@ -13,7 +13,7 @@ MATERIAL = Elasticity.PlaneStrain(E=1, nu=0.3)
 
 
 def star_problem(name, fine):
-    """A case of cases.py on a mesh with elements of size `fine` beside the arms."""
+    """A case of cases.py on a mesh with elements of size `fine` beside the arms, a tenth of it where they meet: a corner of more than 180 degrees is singular there."""
     arms, load = cases.CASES[name]
     w = load.get("half_width", 1.0)
     geometry = SplineGeometry()
@@ -22,6 +22,7 @@ def star_problem(name, fine):
     for a, b in arms:
         for t in np.linspace(0, 1, 40):
             parameters.RestrictH(a[0] + t * (b[0] - a[0]) + 0.0031, a[1] + t * (b[1] - a[1]) + 0.0017, 0, fine)
+    parameters.RestrictH(0.0003, 0.0002, 0, fine / 10)
     ends = [end for _, end in arms]
     straight = len(arms) in (4, 6)
     cracks = [Crack([ends[k + len(arms) // 2], ends[k]]) for k in range(len(arms) // 2)] if straight else [Crack(list(arm)) for arm in arms]

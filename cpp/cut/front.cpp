@@ -1,0 +1,35 @@
+#include "cut/front.hpp"
+
+namespace ngsxfem_contact
+{
+  Front :: Front (size_t asheet, size_t aloop, const Plane & aplane, Crack acurve)
+    : sheet(asheet), loop(aloop), plane(aplane), curve(std::move(acurve))
+  {
+    if (curve.IsClosed() && Norm(Point(curve.Tangent(0, 0) - curve.Tangent(curve.NumPieces()-1, curve.Length()))) > 1e-6) corners.push_back(0);
+    for (size_t i = 1; i < curve.NumPieces(); i++)
+      if (curve.IsKink(i)) corners.push_back(curve.ArcLength(i));
+  }
+
+  std::array<Point3,3> Front :: FrameAt (double s) const
+  {
+    Point tangent = curve.Tangent(curve.PieceAt(s), s);
+    return { plane.Direction(Left(tangent)), plane.normal, plane.Direction(tangent) };
+  }
+
+  double Front :: CurvatureAt (double s) const
+  {
+    size_t i = curve.PieceAt(s);
+    return -curve.Piece(i).Curvature(s-curve.ArcLength(i));
+  }
+
+  Front::TubePoint Front :: Tube (Point3 x) const
+  {
+    Point p = plane.Project(x);
+    double height = plane.Height(x), round_off = 1e-15*(Norm(x) + Norm(plane.origin));
+    auto at = curve.Nearest(p);
+    double x1 = at.distance;
+    if (at.beyond_end) x1 = std::abs(Cross(curve.Tangent(at), Point(p-curve.Piece(at.piece).Value(at.t))));
+    if (curve.SideOf(p) == Side::Minus) x1 = -x1;
+    return { x1, std::abs(height) <= round_off ? 0 : height, curve.ArcLength(at) };
+  }
+}

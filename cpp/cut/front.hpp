@@ -1,0 +1,40 @@
+#pragma once
+// A front: where a sheet ends inside the body, and the coordinates around it (docs/method.md, section 13).
+
+#include "cut/sheet.hpp"
+
+namespace ngsxfem_contact
+{
+  class Front
+  {
+    size_t sheet, loop;
+    Plane plane;
+    Crack curve;                             // in the plane, S to its right
+    std::vector<double> corners;
+
+  public:
+    /// A closed curve, or a stretch of it with both ends on ∂Ω, that bounds a sheet with a number.
+    Front (size_t asheet, size_t aloop, const Plane & aplane, Crack acurve);
+
+    size_t SheetNumber () const { return sheet; }
+    /// The number of the curve of the sheet that it is a part of.
+    size_t Loop () const { return loop; }
+    const Crack & Curve () const { return curve; }
+    const Plane & GetPlane () const { return plane; }
+    double Length () const { return curve.Length(); }
+    bool IsClosed () const { return curve.IsClosed(); }
+    /// Arc lengths at which the direction jumps.
+    const std::vector<double> & Corners () const { return corners; }
+
+    Point3 PointAt (double s) const { return plane.Value(curve.PointAt(s)); }
+    /// e₁ ahead, out of S; e₂ = n; e₃ = e₁ × e₂, the direction in which s grows.
+    std::array<Point3,3> FrameAt (double s) const;
+    /// 1/R_f, positive where S is convex.
+    double CurvatureAt (double s) const;
+
+    /// x = C(s) + x₁ e₁ + x₂ e₂; x₂ = 0 on S, also for points that are there but for round-off. Nearest to a corner x₁ is the distance from it.
+    struct TubePoint { double x1, x2, s; };
+    TubePoint Tube (Point3 x) const;
+    double Distance (Point3 x) const { return std::hypot(curve.Nearest(plane.Project(x)).distance, plane.Height(x)); }
+  };
+}

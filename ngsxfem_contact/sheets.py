@@ -1,0 +1,180 @@
+"""Common planar cracks in space: Sheet.Disk, Sheet.Ellipse, Sheet.Polygon, Sheet.Ring; and the body that they crack."""
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from ngsolve import Mesh
+
+from ._ngsxfem_contact import Crack, CrackedMesh, CrackedSolid, Sheet
+from .arguments import check_number, check_positive, check_type
+from .processes import Processes
+
+# Annotations are values here: tools/stubs.py reads them.
+Vector: TypeAlias = Sequence[float]
+Vectors: TypeAlias = Sequence[Vector] | np.ndarray
+
+
+def checked_vector(vector: Vector, name: str) -> np.ndarray:
+    """An array (3,); raises ValueError for what is none, and for numbers that are not finite."""
+    try:
+        array = np.asarray(vector, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}={vector!r} is no vector (x, y, z)") from None
+    if array.shape != (3,):
+        raise ValueError(f"{name}={vector!r} has shape {array.shape}; it must have three components")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name}={tuple(array.tolist())} must be finite")
+    return array
+
+
+def checked_direction(vector: Vector, name: str) -> np.ndarray:
+    """A vector of unit length; raises ValueError for zero."""
+    array = checked_vector(vector, name)
+    if not np.linalg.norm(array) > 0:
+        raise ValueError(f"{name}={tuple(array.tolist())} is zero and has no direction")
+    return array / np.linalg.norm(array)
+
+
+def plane_axes(normal: np.ndarray) -> list[list[float]]:
+    """Two directions that span the plane with a unit normal, a1 × a2 = normal."""
+    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    first /= np.linalg.norm(first)
+    return [first.tolist(), np.cross(normal, first).tolist()]
+
+
+def circle(radius: float) -> Crack:
+    """Two arcs around the origin."""
+    return Crack.Join(Crack.Arc((radius, 0), (0, radius), (-radius, 0)), Crack.Arc((-radius, 0), (0, -radius), (radius, 0)))
+
+
+def disk(center: Vector, normal: Vector, radius: float) -> Sheet:
+    """The disk of a radius around a center: a penny-shaped crack.
+
+    Parameters
+    ----------
+    center : (x, y, z)
+        Its middle.
+    normal : (x, y, z)
+        Of any length, from the minus to the plus side.
+    radius : float
+        In the user's unit of length.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For vectors and numbers that are none, a normal that is zero, a radius that is not positive.
+    """
+    check_positive(radius, "Sheet.Disk: radius")
+    origin = checked_vector(center, "Sheet.Disk: center").tolist()
+    return Sheet([circle(radius)], origin, plane_axes(checked_direction(normal, "Sheet.Disk: normal")))
+
+
+def ring(center: Vector, normal: Vector, inner: float, outer: float) -> Sheet:
+    """What lies between two circles around a center: a ring-shaped crack with two fronts.
+
+    Parameters
+    ----------
+    center : (x, y, z)
+        Its middle.
+    normal : (x, y, z)
+        Of any length, from the minus to the plus side.
+    inner : float
+        The radius of the hole.
+    outer : float
+        The outer radius.
+
+    Raises
+    ------
+    ValueError, TypeError
+        Unless 0 < inner < outer < inf, and as Sheet.Disk.
+    """
+    check_positive(inner, "Sheet.Ring: inner")
+    check_number(outer, "Sheet.Ring: outer", lambda outer: inner < outer < float("inf"), f"be finite and larger than inner={inner}")
+    origin = checked_vector(center, "Sheet.Ring: center").tolist()
+    return Sheet([circle(outer), circle(inner)], origin, plane_axes(checked_direction(normal, "Sheet.Ring: normal")))
+
+
+def ellipse(center: Vector, a: Vector, b: Vector) -> Sheet:
+    """The ellipse center + cos(t) a + sin(t) b; its normal is a × b.
+
+    Parameters
+    ----------
+    center : (x, y, z)
+        Its middle.
+    a, b : (x, y, z)
+        The half axes as vectors, perpendicular.
+
+    Raises
+    ------
+    ValueError
+        For vectors that are none, that are not perpendicular, or one more than 1000 times as long as the other.
+    """
+    origin, first, second = (checked_vector(v, f"Sheet.Ellipse: {name}") for v, name in ((center, "center"), (a, "a"), (b, "b")))
+    lengths = float(np.linalg.norm(first)), float(np.linalg.norm(second))
+    if not min(lengths) > 1e-3 * max(lengths):
+        raise ValueError(f"Sheet.Ellipse: the half axes have lengths {lengths[0]:g} and {lengths[1]:g}; they must be positive, with a ratio below 1000")
+    if abs(first @ second) > 1e-8 * lengths[0] * lengths[1]:
+        raise ValueError(f"Sheet.Ellipse: a={tuple(first.tolist())} and b={tuple(second.tolist())} are not perpendicular; give the half axes")
+    loop = Crack.OfPieces([("ellipse", [(0, 0), (lengths[0], 0), (0, lengths[1]), (0, 2 * np.pi)])])
+    return Sheet([loop], origin.tolist(), [first.tolist(), second.tolist()])
+
+
+def polygon(points: Vectors) -> Sheet:
+    """The polygon with given corners in a plane; its normal points to where they run counter-clockwise.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        The corners (x, y, z), three or more, around it.
+
+    Raises
+    ------
+    ValueError
+        For points that are none, fewer than three, on a line, or farther from a plane than 1e-9 of their distances.
+    Exception
+        For corners that coincide, and for a polygon that meets itself.
+    """
+    corners = np.array([checked_vector(p, f"Sheet.Polygon: point {i}") for i, p in enumerate(points)])
+    if len(corners) < 3:
+        raise ValueError(f"Sheet.Polygon: {len(corners)} points span no polygon; give three or more")
+    origin = corners.mean(axis=0)
+    normal = 0.5 * np.cross(corners - origin, np.roll(corners, -1, axis=0) - origin).sum(axis=0)
+    size = np.linalg.norm(corners - origin, axis=1).max()
+    if not np.linalg.norm(normal) > 1e-9 * size**2:
+        raise ValueError("Sheet.Polygon: the points lie on a line, or the polygon crosses itself; give the corners of a plane polygon in order around it")
+    normal /= np.linalg.norm(normal)
+    heights = (corners - origin) @ normal
+    if (worst := int(np.argmax(np.abs(heights)))) >= 0 and abs(heights[worst]) > 1e-9 * size:
+        raise ValueError(
+            f"Sheet.Polygon: point {worst}, {tuple(corners[worst].tolist())}, lies {abs(heights[worst]):.3g} beside the plane of the others; only planar sheets are cut so far"
+        )
+    axes = plane_axes(normal)
+    plane = (corners - origin) @ np.array(axes).T
+    closed = [tuple(p) for p in [*plane.tolist(), plane[0].tolist()]]
+    return Sheet([Crack(closed)], origin.tolist(), axes)
+
+
+for name, constructor in (("Disk", disk), ("Ellipse", ellipse), ("Polygon", polygon), ("Ring", ring)):
+    setattr(Sheet, name, staticmethod(constructor))
+
+
+def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
+    """The CrackedSolid of a mesh in space; None for a plane one. Raises TypeError for cracks of the other dimension, and for several processes."""
+    if not isinstance(mesh, Mesh) or mesh.dim != 3:
+        if any(isinstance(crack, Sheet) for crack in cracks):
+            raise TypeError("CrackedMesh: a Sheet cracks a body in space, but the mesh is plane; give it Cracks")
+        return None
+    for sheet in cracks:
+        check_type(sheet, Sheet, "CrackedMesh: crack", "a Sheet, but the mesh has dimension 3; give sheets one by one, a list as CrackedMesh(mesh, *sheets)")
+    Processes.Of(mesh, "CrackedMesh").Refuse("A body in space")
+    return CrackedSolid(mesh, list(cracks))
+
+
+def check_plane_body(body: Any, name: str) -> None:
+    """Raises TypeError for what is no CrackedMesh, and for one in space, on which there are no spaces yet."""
+    if isinstance(body, CrackedSolid):
+        raise TypeError(
+            f"{name} is a body in space; so far its sheets are cut and integrated over (dx, ds, dcrack), spaces and problems are there for plane bodies only"
+        )
+    check_type(body, CrackedMesh, name, "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")

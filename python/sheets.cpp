@@ -1,0 +1,166 @@
+#include "convert.hpp"
+#include "forms/front_tube.hpp"
+
+using namespace ngsxfem_contact;
+using ngcomp::MeshAccess;
+
+using Triple = std::array<double,3>;
+static Triple ToTriple (Point3 p) { return { p(0), p(1), p(2) }; }
+static Point3 ToPoint (Triple p) { return Point3(p[0], p[1], p[2]); }
+
+static std::array<Triple,2> AxesOf (const Sheet & s) { return { ToTriple(s.GetPlane().axes[0]), ToTriple(s.GetPlane().axes[1]) }; }
+
+static std::vector<PieceDescriptions> PiecesOf (const Sheet & s)
+{
+  std::vector<PieceDescriptions> all;
+  for (auto & loop : s.Loops()) all.push_back(PiecesOf(loop));
+  return all;
+}
+
+static Sheet MakeSheet (const std::vector<Crack> & loops, Triple origin, std::array<Triple,2> axes)
+{ return Sheet(ToPoint(origin), { ToPoint(axes[0]), ToPoint(axes[1]) }, loops); }
+
+void ExportFrontDemand (py::module & m)
+{
+  FrontDemand usual { 0 };
+  py::class_<FrontDemand>(m, "FrontDemand",
+      "What functions that are singular at the fronts of a solid ask of the rules of a measure: `body.dx(fronts=FrontDemand(radius))`.\n\nParameters\n----------\n"
+      "radius\n    Elements that come nearer to a front get rules of their own.\nalong, angular, radial\n"
+      "    Gauss points in s, in θ, in √r, in elements that a front is in, for each interval on which their slices normal to the front are smooth.\norder\n"
+      "    Of Gauss beside the front, in parts of an element.\nbeta\n    These parts keep the multiple beta of their size from the front.")
+    .def(py::init([] (double radius, int along, int angular, int radial, int order, double beta)
+         { return FrontDemand { radius, along, angular, radial, order, beta }; }),
+         py::arg("radius"), py::arg("along") = usual.along, py::arg("angular") = usual.angular, py::arg("radial") = usual.radial, py::arg("order") = usual.order, py::arg("beta") = usual.beta)
+    .def_readonly("radius", &FrontDemand::radius, "Elements that come nearer to a front get rules of their own.")
+    .def_readonly("along", &FrontDemand::along, "Gauss points in s.")
+    .def_readonly("angular", &FrontDemand::angular, "Gauss points in the angle.")
+    .def_readonly("radial", &FrontDemand::radial, "Gauss points in √r.")
+    .def_readonly("order", &FrontDemand::order, "The order of Gauss beside the front.")
+    .def_readonly("beta", &FrontDemand::beta, "The least distance of a part from the front, relative to its size.");
+}
+
+static void ExportSheet (py::module & m)
+{
+  py::class_<Sheet>(m, "Sheet",
+      "A planar crack in space: the part of a plane that closed curves bound. Its unit normal n = a1 × a2 points from the minus to the plus side.\n"
+      "Sheet.Disk, Sheet.Ellipse, Sheet.Polygon and Sheet.Ring make common ones. What lies outside of the body is cut off: a sheet that reaches the boundary of the\n"
+      "body has a mouth there, inside the body it has a front.\n\nParameters\n----------\nloops\n"
+      "    Closed Cracks in the coordinates (p1, p2) of the plane, x = origin + p1 a1 + p2 a2: the outer curve first, then those of holes, in any direction of travel.\n"
+      "origin\n    A point (x, y, z) of the plane.\naxes\n"
+      "    Two directions (x, y, z), made perpendicular and of unit length.\n\nRaises\n------\nException\n"
+      "    For curves that are not closed or meet each other, for holes that lie outside, and for axes that are parallel.\n\n"
+      "Examples\n--------\n>>> square = Crack([(0, 0), (2, 0), (2, 2), (0, 2), (0, 0)])\n>>> sheet = Sheet([square], origin=(0, 0, 1))\n"
+      ">>> sheet.normal, sheet.area\n((0.0, 0.0, 1.0), 4.0)")
+    .def(py::init(&MakeSheet), py::arg("loops"), py::arg("origin") = Triple { 0, 0, 0 }, py::arg("axes") = std::array<Triple,2> { Triple { 1, 0, 0 }, Triple { 0, 1, 0 } })
+    .def_property_readonly("loops", [] (const Sheet & s) { return s.Loops(); }, "The curves in the plane, with the sheet to their right: the outer one, then those of holes.")
+    .def_property_readonly("origin", [] (const Sheet & s) { auto p = s.GetPlane().origin; return std::tuple(p(0), p(1), p(2)); }, "The point (x, y, z) of the plane with p1 = p2 = 0.")
+    .def_property_readonly("axes", &AxesOf, "The unit vectors a1 and a2 of the plane's coordinates.")
+    .def_property_readonly("normal", [] (const Sheet & s) { auto p = s.GetPlane().normal; return std::tuple(p(0), p(1), p(2)); }, "The unit normal n, from the minus to the plus side.")
+    .def_property_readonly("area", &Sheet::Area, "Its area, also of what lies outside of a body.")
+    .def("Contains", [] (const Sheet & s, Triple p) { return s.Contains(s.GetPlane().Project(ToPoint(p))); }, py::arg("point"), "Whether the foot of a point (x, y, z) on the plane lies in the sheet.")
+    .def("__repr__", [] (const Sheet & s) { return py::str("Sheet({}, origin={}, axes={})").format(s.Loops(), ToTriple(s.GetPlane().origin), AxesOf(s)); })
+    .def(py::pickle([] (const Sheet & s) { return py::make_tuple(PiecesOf(s), ToTriple(s.GetPlane().origin), AxesOf(s)); },
+                    [] (py::tuple state)
+                    {
+                      std::vector<Crack> loops;
+                      for (auto & pieces : state[0].cast<std::vector<PieceDescriptions>>()) loops.push_back(CrackOfPieces(pieces, ""));
+                      return MakeSheet(loops, state[1].cast<Triple>(), state[2].cast<std::array<Triple,2>>());
+                    }));
+}
+
+static double Checked (const Front & f, double s) { return f.Curve().Checked(s); }
+
+static void ExportFront (py::module & m)
+{
+  py::class_<Front>(m, "Front",
+      "Where a sheet ends inside the body: a curve C(s) with the frame e1 ahead, out of the sheet, e2 = n and e3 = e1 × e2, the direction in which s grows.")
+    .def_property_readonly("sheet", &Front::SheetNumber, "The number of its sheet in body.cracks.")
+    .def_property_readonly("loop", &Front::Loop, "The number of the curve of the sheet that it is a part of.")
+    .def_property_readonly("closed", &Front::IsClosed, "Whether it is a whole closed curve; else it ends on the boundary of the body.")
+    .def_property_readonly("length", &Front::Length, "The arc length, in the user's unit of length.")
+    .def_property_readonly("corners", &Front::Corners, "Arc lengths at which its direction jumps.")
+    .def("PointAt", [] (const Front & f, double s) { return ToTriple(f.PointAt(Checked(f, s))); }, py::arg("s"), "The point (x, y, z) at arc length s, 0 ≤ s ≤ length.")
+    .def("FrameAt", [] (const Front & f, double s)
+         {
+           auto frame = f.FrameAt(Checked(f, s));
+           return std::array { ToTriple(frame[0]), ToTriple(frame[1]), ToTriple(frame[2]) };
+         }, py::arg("s"), "The unit vectors e1, e2, e3 at arc length s.")
+    .def("CurvatureAt", [] (const Front & f, double s) { return f.CurvatureAt(Checked(f, s)); }, py::arg("s"), "The curvature at arc length s, > 0 where the sheet is convex.")
+    .def("Distance", [] (const Front & f, Triple p) { return f.Distance(ToPoint(p)); }, py::arg("point"), "The distance of a point (x, y, z).")
+    .def("Tube", [] (const Front & f, Triple p) { auto at = f.Tube(ToPoint(p)); return std::tuple(at.x1, at.x2, at.s); }, py::arg("point"),
+         "(x1, x2, s) of a point (x, y, z) = C(s) + x1 e1 + x2 e2, C(s) the nearest point; x2 is exactly 0 on the sheet.")
+    .def_property_readonly("tube", [] (const Front & f) -> shared_ptr<CoefficientFunction> { return make_shared<FrontTube>(f); },
+                           "The coordinates (x1, x2, s) of Tube: a CoefficientFunction.")
+    .def("__repr__", [] (const Front & f) { return py::str("Front(sheet={}, length={:.6g}, closed={})").format(f.SheetNumber(), f.Length(), f.IsClosed()); });
+}
+
+static void ExportCutTet (py::module & m)
+{
+  py::class_<SheetCell>(m, "SheetCell", "What a sheet's plane cuts out of an element, or a face of the mesh on the plane.")
+    .def_readonly("element", &SheetCell::element, "The number of the element in the mesh.")
+    .def_readonly("neighbour", &SheetCell::neighbour, "The element on the other side of a face on the plane, which this one carries for both, or None.")
+    .def_readonly("kind", &SheetCell::kind, "Its ElementKind: Cut, Tip (a front is inside) or Aligned.")
+    .def_property_readonly("polygon", [] (const SheetCell & c) { return ToPairs(c.polygon); }, "The corners in the plane's coordinates, counter-clockwise.")
+    .def_property_readonly("heights", [] (const SheetCell & c) { return c.heights; }, "Heights of the element's corners over the plane, by the numbers of the vertices; 0 on the plane.");
+}
+
+static shared_ptr<CrackedSolid> MakeSolid (shared_ptr<MeshAccess> mesh, const std::vector<Sheet> & sheets) { return make_shared<CrackedSolid>(mesh, sheets); }
+
+static void ExportSolid (py::module & m)
+{
+  using Solid = CrackedSolid;
+  using Body = shared_ptr<CrackedSolid>;
+  py::class_<Solid, Body>(m, "CrackedSolid", "What CrackedMesh(mesh, sheet, ...) makes of a mesh of tetrahedra: the body with its sheets, with the measures dx, ds, dcrack and dlarger as in the plane.")
+    .def(py::init(&MakeSolid), py::arg("mesh"), py::arg("sheets"))
+    .def_property_readonly("mesh", &Solid::GetMesh, "The mesh of NGSolve.")
+    .def_property_readonly("cracks", &Solid::Sheets, "The Sheets, in the order in which they were given.")
+    .def_property_readonly("fronts", &Solid::Fronts, "The Fronts of all sheets, those of the first sheet first.")
+    .def("CheckMesh", &Solid::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the sheets were located in it.")
+    .def("Elements", [] (const Solid & b, size_t c) { b.CheckMesh(); return b.Location(c).Cells(); }, py::arg("crack"), "The SheetCells of a crack, one for each element that carries a part of it.")
+    .def("FrontElements", [] (const Solid & b, size_t c) { return b.Location(c).FrontElements(); }, py::arg("crack"), "Numbers of the elements whose closure holds a stretch of a front of a crack.")
+    .def("PartSizes", [] (const Solid & b, size_t element)
+         {
+           b.CheckMesh();
+           auto cut = b.Find(element);
+           return cut ? cut->sizes : std::vector<double> { 1 };
+         }, py::arg("element"), "The volumes of the connected parts of an element, the plus side first; [1] if no sheet meets it.")
+    .def("FacetArea", [] (const Solid & b, size_t element) { auto cut = b.Find(element); return cut ? cut->FacetArea() : 0; }, py::arg("element"), "The area of the sheet in an element, exact but for round-off.")
+    .def("Links", &Solid::Links, py::arg("face"), "Pairs of parts of the two elements beside a face of the mesh that hang together across it.")
+    .def("CracksOf", [] (const Solid & b, size_t element)
+         { return b.Find(element) ? std::vector<size_t> { b.Find(element)->Sides().crack } : std::vector<size_t>(); }, py::arg("element"), "Numbers of the sheets that meet an element.")
+    .def("CutBoundaryElements", [] (const Solid & b, size_t c)
+         {
+           std::vector<size_t> elements;
+           for (auto & [nr, parts] : b.DividedBoundary()) if (parts.crack == c) elements.push_back(nr);
+           return elements;
+         }, py::arg("crack"), "Numbers of the boundary elements that a crack divides: its mouths.")
+    .def("BoundaryPartSizes", [] (const Solid & b, size_t element)
+         {
+           auto parts = b.FindBoundary(element);
+           return parts ? parts->sizes : std::vector<double> { 1 };
+         }, py::arg("element"), "The areas of the parts of a boundary element, the plus side first; [1] if no sheet divides it.")
+    .def("CrackElements", &Solid::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
+    .def_property_readonly("normal", [] (Body b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame<Solid>>(b, false); },
+                           "The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.")
+    .def_property_readonly("larger_side", [] (Body b) -> shared_ptr<CoefficientFunction>
+         { return make_shared<CrackLabel<Solid>>(b, Label::LargerSide); },
+         "On the cracks +1 or -1, the side of the larger part of the element: a CoefficientFunction.")
+    .def_property_readonly("crack_number", [] (Body b) -> shared_ptr<CoefficientFunction>
+         { return make_shared<CrackLabel<Solid>>(b, Label::CrackNumber); },
+         "On the cracks the number of the crack: a CoefficientFunction.")
+    .def_property_readonly("dx", [] (Body b) { return CutDifferentialSymbol(Measure { b, {} }, VOL); }, "The measure on the body without the cracks.")
+    .def_property_readonly("ds", [] (Body b) { return CutDifferentialSymbol(Measure { b, {} }, BND); }, "The measure on the boundary, divided at mouths.")
+    .def_property_readonly("dlarger", [] (Body b) { return CutDifferentialSymbol::OnCracks(Measure { b, { Domain::Larger } }); }, "The measure on the larger part of each element that a crack meets.")
+    .def_property_readonly("dcrack", [] (Body b) { return CutDifferentialSymbol::OnCracks(Measure { b, { Domain::Crack } }); }, "The measure on the cracks.")
+    .def(py::pickle([] (const Solid & b) { return py::make_tuple(b.GetMesh(), b.Sheets()); },
+                    [] (py::tuple state) { return MakeSolid(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Sheet>>()); }));
+  ngcore::RegisterPyArchiveCaster<CrackedSolid>();        // coefficient functions hold bodies, and are pickled with them
+}
+
+void ExportSheets (py::module & m)
+{
+  ExportSheet(m);
+  ExportFront(m);
+  ExportCutTet(m);
+  ExportSolid(m);
+}
