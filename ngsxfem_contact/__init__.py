@@ -38,7 +38,7 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """A public name of a sub-package or module: `from ngsxfem_contact import WingCracks` works, too."""
-    for part in ("geometry", "errors", "operators", "tables", "algebra", "spaces", "plotting", "fracture", "loads", "contact"):
+    for part in ("processes", "geometry", "errors", "operators", "tables", "algebra", "spaces", "plotting", "fracture", "loads", "contact"):
         if name in globals()[part].__all__:
             return getattr(globals()[part], name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

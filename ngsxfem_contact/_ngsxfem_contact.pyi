@@ -28,6 +28,7 @@ __all__: list[str] = [
     "ElementLocation",
     "ElementMatrices",
     "ElementOrder",
+    "ElementsBeside",
     "EndKind",
     "FormTerm",
     "Front",
@@ -35,6 +36,7 @@ __all__: list[str] = [
     "FunctionOf",
     "GridFunctionOf",
     "InnerIntegrals",
+    "IntegralsOn",
     "IsTestFunction",
     "MeshTraceBasis",
     "NameOf",
@@ -384,15 +386,11 @@ class Tip:
         """Its arc length: 0 or the length of the crack."""
 
 class CrackedMesh:
-    """A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges."""
+    """A mesh with its cracks; ngsxfem_contact.CrackedMesh says more."""
 
     @staticmethod
     def _repr_html_(body: CrackedMesh) -> str:
         """The same as HTML."""
-
-    @classmethod
-    def __new__(cls: type, *arguments: typing.Any, **named: typing.Any) -> typing.Any:
-        """The CrackedSolid of a mesh in space; else a CrackedMesh that its constructor fills."""
 
     def CheckMesh(self) -> None:
         """Raises an Exception if the mesh was refined, curved or deformed after the cracks were located in it."""
@@ -445,7 +443,7 @@ class CrackedMesh:
     def Parts(self, element: int) -> list[PartTriangle]:
         """The PartTriangles into which the cracks divide an element, a list; none if no crack meets it."""
 
-    def __init__(self, mesh: ngsolve.comp.Mesh, *cracks: Crack | Sheet) -> None: ...
+    def __init__(self, mesh: ngsolve.comp.Mesh, *cracks: Crack, is_part: bool = False) -> None: ...
     @property
     def crack_number(self) -> ngsolve.fem.CoefficientFunction:
         """On the cracks the number of the crack: a CoefficientFunction."""
@@ -942,6 +940,9 @@ def ElementMatrices(
 def ElementOrder(space: ngsolve.comp.FESpace) -> numpy.typing.NDArray[numpy.int32]:
     """The unknowns of a space of NGSolve, an array, in the order in which the elements name them first; those of no element are left out."""
 
+def ElementsBeside(mesh: ngsolve.comp.Mesh, crack: Crack) -> list[int]:
+    """Numbers of the elements of a mesh that a crack may meet, by boxes around both."""
+
 def FunctionOf(functional: ngsolve.fem.PointEvaluationFunctional) -> ngsolve.fem.CoefficientFunction:
     """The function v of an evaluation such as v(x, y)."""
 
@@ -950,6 +951,11 @@ def GridFunctionOf(function: ngsolve.comp.GridFunctionCoefficientFunction) -> ng
 
 def InnerIntegrals(form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray) -> ngsolve.comp.SumOfIntegrals:
     """The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray)."""
+
+def IntegralsOn(
+    form: ngsolve.comp.SumOfIntegrals, elements: pyngcore.pyngcore.BitArray, boundary_elements: pyngcore.pyngcore.BitArray
+) -> ngsolve.comp.SumOfIntegrals:
+    """The integrals of a form on some elements of the mesh and of its boundary (BitArrays)."""
 
 def IsTestFunction(proxy: ngsolve.comp.ProxyFunction) -> bool:
     """Whether a trial or test function is a test function."""

@@ -1,4 +1,4 @@
-"""Common planar cracks in space: Sheet.Disk, Sheet.Ellipse, Sheet.Polygon, Sheet.Ring; and CrackedMesh, which takes sheets for a mesh in space."""
+"""Common planar cracks in space: Sheet.Disk, Sheet.Ellipse, Sheet.Polygon, Sheet.Ring; and the body that they crack."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias
@@ -8,6 +8,7 @@ from ngsolve import Mesh
 
 from ._ngsxfem_contact import Crack, CrackedMesh, CrackedSolid, Sheet
 from .arguments import check_number, check_positive, check_type
+from .processes import Processes
 
 # Annotations are values here: tools/stubs.py reads them.
 Vector: TypeAlias = Sequence[float]
@@ -158,24 +159,16 @@ for name, constructor in (("Disk", disk), ("Ellipse", ellipse), ("Polygon", poly
     setattr(Sheet, name, staticmethod(constructor))
 
 
-make_plane_body = CrackedMesh.__new__
-
-
-def make_body(cls: type, *arguments: Any, **named: Any) -> Any:
-    """The CrackedSolid of a mesh in space; else a CrackedMesh that its constructor fills."""
-    mesh, sheets = (arguments[0], arguments[1:]) if arguments else (named.get("mesh"), ())
-    if isinstance(mesh, Mesh) and mesh.dim == 3:
-        for sheet in sheets:
-            check_type(
-                sheet, Sheet, "CrackedMesh: crack", "a Sheet, but the mesh has dimension 3; give sheets one by one, a list as CrackedMesh(mesh, *sheets)"
-            )
-        return CrackedSolid(mesh, list(sheets))
-    if any(isinstance(crack, Sheet) for crack in sheets):
-        raise TypeError("CrackedMesh: a Sheet cracks a body in space, but the mesh is plane; give it Cracks")
-    return make_plane_body(cls)
-
-
-setattr(CrackedMesh, "__new__", staticmethod(make_body))  # noqa: B010  of a class of the extension
+def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
+    """The CrackedSolid of a mesh in space; None for a plane one. Raises TypeError for cracks of the other dimension, and for several processes."""
+    if not isinstance(mesh, Mesh) or mesh.dim != 3:
+        if any(isinstance(crack, Sheet) for crack in cracks):
+            raise TypeError("CrackedMesh: a Sheet cracks a body in space, but the mesh is plane; give it Cracks")
+        return None
+    for sheet in cracks:
+        check_type(sheet, Sheet, "CrackedMesh: crack", "a Sheet, but the mesh has dimension 3; give sheets one by one, a list as CrackedMesh(mesh, *sheets)")
+    Processes.Of(mesh, "CrackedMesh").Refuse("A body in space")
+    return CrackedSolid(mesh, list(cracks))
 
 
 def check_plane_body(body: Any, name: str) -> None:

@@ -161,29 +161,19 @@ static py::tuple OnCrack (const CrackedMesh & body, const CrackKey & crack, cons
   return py::make_tuple(elements, xi, eta);
 }
 
-static shared_ptr<CrackedMesh> MakeCrackedMesh (shared_ptr<MeshAccess> mesh, const std::vector<Crack> & cracks)
-{ return make_shared<CrackedMesh>(mesh, cracks); }
+static shared_ptr<CrackedMesh> MakeCrackedMesh (shared_ptr<MeshAccess> mesh, const std::vector<Crack> & cracks, bool is_part = false)
+{ return make_shared<CrackedMesh>(mesh, cracks, is_part); }
 
 static void ExportCrackedMesh (py::module & m)
 {
   py::class_<CrackedMesh, shared_ptr<CrackedMesh>>(m, "CrackedMesh",
-      "A mesh with its cracks: CrackedMesh(mesh, crack, ...). The mesh need not know the cracks; they may also run along its edges.\n"
-      "\nParameters\n----------\nmesh\n"
-      "    Of NGSolve, plane, triangles, straight or curved. It must not be refined, curved or moved (SetDeformation) afterwards: all that is built on the\n"
-      "    body is refused then; build a new CrackedMesh. What is built on a body does not change it.\n*cracks\n"
-      "    The Cracks, one by one; without any it is the body as it was. An argument that asks for one of them takes its number, from 0, or its name.\n\nRaises\n------\nException\n"
-      "    For two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch or touch without\n"
-      "    crossing.\n\nNotes\n-----\n"
-      "An end of a crack outside of the body is cut off at the boundary, one inside that is nearer to it than a tenth of the element there ends on it:\n"
-      "`notes` and the report of a solve say so. Forms are integrated over its measures: dx the body without the cracks, ds its boundary, both sides at a\n"
-      "mouth, dcrack the cracks, dlarger the larger part, of those directly beside a crack, of each element that it meets. Each may be restricted:\n"
-      "body.ds(\"left|right\").")
-    .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks)
+      "A mesh with its cracks; ngsxfem_contact.CrackedMesh says more.")
+    .def(py::init([] (shared_ptr<MeshAccess> mesh, py::args cracks, bool is_part)
                   {
                     std::vector<Crack> all;
                     for (auto crack : cracks) all.push_back(AsCrack(crack, "CrackedMesh"));
-                    return MakeCrackedMesh(mesh, all);
-                  }), py::arg("mesh"))
+                    return MakeCrackedMesh(mesh, all, is_part);
+                  }), py::arg("mesh"), py::kw_only(), py::arg("is_part") = false)
     .def_property_readonly("mesh", &CrackedMesh::GetMesh, "The mesh of NGSolve.")
     .def_property_readonly("cracks", &CrackedMesh::Cracks, "The Cracks, in the order in which they were given, with their ends fitted to the body.")
     .def_property_readonly("tips", &CrackedMesh::Tips, "The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body.")
@@ -277,5 +267,7 @@ void ExportGeometry (py::module & m)
   ExportCrack(m);
   ExportLocation(m);
   ExportCrackedMesh(m);
+  m.def("ElementsBeside", [] (const MeshAccess & mesh, const Crack & crack) { return ElementsBeside(mesh, crack); }, py::arg("mesh"), py::arg("crack"),
+        "Numbers of the elements of a mesh that a crack may meet, by boxes around both.");
   m.def("NumKeptRules", &NumKeptRules, py::arg("body"), "How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.");
 }

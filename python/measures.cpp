@@ -83,6 +83,8 @@ void ExportMeasures (py::module & m)
   m.def("Variation", &MakeVariation, py::arg("form"),
         "An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve.");
 
+  m.def("IntegralsOn", &IntegralsOn, py::arg("form"), py::arg("elements"), py::arg("boundary_elements"),
+        "The integrals of a form on some elements of the mesh and of its boundary (BitArrays).");
   m.def("InnerIntegrals", &InnerIntegrals, py::arg("form"), py::arg("elements"),
         "The integrals of a form over the body and its cracks, without those over its boundary, on some elements (BitArray).");
 

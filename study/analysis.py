@@ -13,10 +13,10 @@ from math import pi
 import numpy as np
 from ngsolve import CF, CoefficientFunction, Grad, GridFunction, IfPos, InnerProduct, Integrate, ngsglobals, sqrt, x, y
 
-from ngsxfem_contact._ngsxfem_contact import CrackedMesh
 from ngsxfem_contact.contact.checks import InfSup
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes
 from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.geometry import CrackedMesh
 from ngsxfem_contact.operators import NormalGap, NormalStress, Strain
 from ngsxfem_contact.plotting import von_mises
 from ngsxfem_contact.points import crack_points

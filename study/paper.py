@@ -11,9 +11,9 @@ from typing import Any
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh, cos, sin, specialcf, x, y
 
-from ngsxfem_contact._ngsxfem_contact import Crack, CrackedMesh
 from ngsxfem_contact.contact.problem import ContactProblem
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes
+from ngsxfem_contact.geometry import Crack, CrackedMesh
 from ngsxfem_contact.material import Elasticity
 from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
 from ngsxfem_contact.spaces.trace_space import TraceSpace

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, Mesh
 
-from ngsxfem_contact._ngsxfem_contact import Crack, CrackedMesh
 from ngsxfem_contact.contact.problem import ContactProblem
 from ngsxfem_contact.contact.stabilisation import BarbosaHughes
+from ngsxfem_contact.geometry import Crack, CrackedMesh
 from ngsxfem_contact.spaces.crack_fespace import CrackFESpace, TipEnrichment
 from ngsxfem_contact.spaces.trace_space import TraceSpace
 

@@ -1,5 +1,6 @@
 #include "cut/body_boundary.hpp"
 #include <algorithm>
+#include <set>
 
 namespace ngsxfem_contact
 {
@@ -10,8 +11,11 @@ namespace ngsxfem_contact
     return Point(d(0)*d0 + d(1)*d1);
   }
 
-  BodyBoundary :: BodyBoundary (const MeshAccess & mesh) : smallest(std::numeric_limits<double>::infinity())
+  BodyBoundary :: BodyBoundary (const MeshAccess & mesh, bool is_part) : smallest(std::numeric_limits<double>::infinity())
   {
+    std::set<size_t> bounding;
+    for (size_t i = 0; is_part && i < mesh.GetNE(ngfem::BND); i++)
+      bounding.insert(mesh.GetElement(ngfem::ElementId(ngfem::BND, i)).Edges()[0]);
     for (size_t i = 0; i < mesh.GetNE(ngfem::VOL); i++)
       {
         ElementMap map(mesh, i);
@@ -21,7 +25,7 @@ namespace ngsxfem_contact
           {
             ngcore::Array<int> neighbours;
             mesh.GetEdgeElements(nr, neighbours);
-            if (neighbours.Size() != 1) continue;
+            if (neighbours.Size() != 1 || (is_part && !bounding.count(nr))) continue;
             auto [v0, v1] = mesh.GetEdgePNums(nr);
             Edge edge { map, mesh.GetPoint<2>(v0), mesh.GetPoint<2>(v1), {}, h };
             if (Cross(Point(edge.b-edge.a), Point(Centre({ map.Corners().begin(), map.Corners().end() })-edge.a)) < 0) std::swap(edge.a, edge.b);

@@ -1,5 +1,6 @@
 #pragma once
 // ∂Ω: the edges of a mesh that belong to one element only, straight or curved.
+// Where a mesh is a part of another one, those of them on which a boundary element lies: the part ends at the others.
 
 #include "cut/element_map.hpp"
 
@@ -22,7 +23,7 @@ namespace ngsxfem_contact
     double smallest;                     // h of all elements
 
   public:
-    explicit BodyBoundary (const MeshAccess & mesh);
+    BodyBoundary (const MeshAccess & mesh, bool is_part);
 
     /// Below this distance a point lies on ∂Ω.
     double Tolerance () const { return geometric_tolerance*smallest; }

@@ -5,12 +5,12 @@ namespace ngsxfem_contact
 {
   using ngcore::Exception;
 
-  CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks)
+  CrackedMesh :: CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks, bool is_part)
     : mesh(amesh), located_in(*amesh), cracks(std::move(acracks))
   {
     CheckNames();
     CheckTriangles(*mesh);
-    BodyBoundary boundary(*mesh);
+    BodyBoundary boundary(*mesh, is_part);
     for (size_t c = 0; c < cracks.size(); c++) cracks[c] = FittedToBody(cracks[c], c, boundary, notes);
     FitToEachOther(cracks, *mesh, boundary, notes);
     LocateCracks(AllMeetings(cracks, boundary.Tolerance()));

@@ -59,7 +59,8 @@ namespace ngsxfem_contact
     /// The cracks are fitted to the body and to each other first: see FittedToBody, FitToEachOther.
     /// Throws for a mesh that is not plane triangles, for what FittedToBody, AllMeetings, CrackLocation and CutElement refuse, and for a
     /// mesh with a deformation.
-    CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks);
+    /// is_part: the mesh is a part of the body's, with all that lies beside cracks and beside ∂Ω.
+    CrackedMesh (shared_ptr<MeshAccess> amesh, std::vector<Crack> acracks, bool is_part = false);
     CrackedMesh (const CrackedMesh &) = delete;        // spaces, measures and functions share one
 
     shared_ptr<MeshAccess> GetMesh () const override { return mesh; }

@@ -27,7 +27,10 @@ namespace ngsxfem_contact
   CrackLocation :: CrackLocation (const MeshAccess & amesh, const Crack & acrack, std::vector<double> ameetings)
     : mesh(amesh), crack(acrack), meetings(std::move(ameetings))
   {
-    auto beside = ElementsBeside();
+    auto beside = ElementsBeside(mesh, crack);
+    if (beside.empty())
+      throw Exception("CrackedMesh: the crack from " + ToString(crack.Points().front()) + " to " + ToString(crack.Points().back())
+                      + " lies outside the body; give its points in the mesh's coordinates");
     double h = std::numeric_limits<double>::infinity();
     for (auto element : beside)
       h = std::min(h, LongestEdge(VerticesOf(mesh, element)));
@@ -49,14 +52,11 @@ namespace ngsxfem_contact
     LocateBoundary();
   }
 
-  std::vector<size_t> CrackLocation :: ElementsBeside () const
+  std::vector<size_t> ElementsBeside (const MeshAccess & mesh, const Crack & crack)
   {
     std::vector<size_t> beside;
     for (size_t element = 0; element < mesh.GetNE(VOL); element++)
       if (!crack.PiecesNear(BoxAround(ElementMap(mesh, element))).empty()) beside.push_back(element);
-    if (beside.empty())
-      throw Exception("CrackedMesh: the crack from " + ToString(crack.Points().front()) + " to " + ToString(crack.Points().back())
-                      + " lies outside the body; give its points in the mesh's coordinates");
     return beside;
   }
 

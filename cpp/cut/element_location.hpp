@@ -86,7 +86,6 @@ namespace ngsxfem_contact
     std::vector<Clip> ClipCurve (size_t element, const Triangle & t, size_t piece) const;
     std::vector<Clip> ClipInCurved (size_t element, const ElementMap & map, size_t piece) const;
     void DivideAtMeetings (ElementLocation & location) const;
-    std::vector<size_t> ElementsBeside () const;
     void LocateElement (size_t element);
     size_t AlignedEdge (size_t element, const Triangle & t, const Chord & chord) const;
     CrackEnd LocateEnd (double s, const std::vector<size_t> & beside) const;
@@ -98,6 +97,8 @@ namespace ngsxfem_contact
     void MarkDegenerate (ElementLocation & location) const;
   };
 
+  /// The elements of a mesh that a crack may meet, by boxes around both.
+  std::vector<size_t> ElementsBeside (const MeshAccess & mesh, const Crack & crack);
   /// Throws for a mesh that is not plane or has other elements than triangles.
   void CheckTriangles (const MeshAccess & mesh);
 }

@@ -238,18 +238,27 @@ namespace ngsxfem_contact
     return variation;
   }
 
+  static shared_ptr<Integral> IntegralOn (Integral & integral, const ngcore::BitArray & elements)
+  {
+    auto restricted = integral.CreateSameIntegralType(integral.cf);
+    auto both = make_shared<ngcore::BitArray>(elements);
+    if (integral.dx.definedonelements) both->And(*integral.dx.definedonelements);
+    restricted->dx.definedonelements = both;
+    return restricted;
+  }
+
+  shared_ptr<SumOfIntegrals> IntegralsOn (const SumOfIntegrals & form, const ngcore::BitArray & elements, const ngcore::BitArray & boundary_elements)
+  {
+    auto all = make_shared<SumOfIntegrals>();
+    for (auto & integral : form.icfs) all->icfs += IntegralOn(*integral, integral->dx.vb == VOL ? elements : boundary_elements);
+    return all;
+  }
+
   shared_ptr<SumOfIntegrals> InnerIntegrals (const SumOfIntegrals & form, const ngcore::BitArray & elements)
   {
     auto inner = make_shared<SumOfIntegrals>();
     for (auto & integral : form.icfs)
-      if (integral->dx.vb == VOL)
-        {
-          auto restricted = integral->CreateSameIntegralType(integral->cf);
-          auto both = make_shared<ngcore::BitArray>(elements);
-          if (integral->dx.definedonelements) both->And(*integral->dx.definedonelements);
-          restricted->dx.definedonelements = both;
-          inner->icfs += restricted;
-        }
+      if (integral->dx.vb == VOL) inner->icfs += IntegralOn(*integral, elements);
     return inner;
   }
 

@@ -59,6 +59,8 @@ namespace ngsxfem_contact
   /// The integrals of a form as energies: their integrators vary them. NGSolve's own Variation would lose the rules.
   shared_ptr<ngfem::SumOfIntegrals> MakeVariation (const ngfem::SumOfIntegrals & form);
 
-  /// The integrals of a form over the body and its cracks, without those over its boundary, on some elements.
+  /// The integrals of a form on some elements of the mesh and of its boundary.
+  shared_ptr<ngfem::SumOfIntegrals> IntegralsOn (const ngfem::SumOfIntegrals & form, const ngcore::BitArray & elements, const ngcore::BitArray & boundary_elements);
+  /// Those over the body and its cracks, without those over its boundary, on some elements.
   shared_ptr<ngfem::SumOfIntegrals> InnerIntegrals (const ngfem::SumOfIntegrals & form, const ngcore::BitArray & elements);
 }

@@ -11,9 +11,11 @@ from ngsolve import BaseMatrix, BitArray
 from pyngcore import SuspendTaskManager
 
 from .. import _ngsxfem_contact as core
+from ..processes import Exchange
 from ..protocols import DirectSolver
 from . import pardiso
 from .matrices import csr_view, mask
+from .substructuring import Substructuring
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -63,9 +65,12 @@ class PartialFactorisation(BackSubstitution):
         return core.SchurComplement(self.factors, self.K.shape[0], self.K.indptr, self.K.indices, self.K.data)
 
 
-def factorise(matrix: BaseMatrix, inner: BitArray, K: scipy.sparse.csc_matrix, inverse: str | None) -> DirectSolver:
-    """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy that goes with a direct solver of NGSolve."""
-    inverse = inverse or default_inverse(matrix.height)
+def factorise(matrix: BaseMatrix, inner: BitArray, K: scipy.sparse.csc_matrix, inverse: str | None, exchange: Exchange) -> DirectSolver:
+    """A⁻¹ on the unknowns of a BitArray and K A⁻¹ Kᵀ, by the strategy of a name: "substructuring", or one that goes with a direct solver of NGSolve, for one process."""
+    inverse = inverse or (Substructuring.name if exchange.several else default_inverse(matrix.height))
+    if inverse == Substructuring.name:
+        return Substructuring(matrix, inner, K, exchange)
+    exchange.Refuse(f"inverse={inverse!r}")
     if inverse == "sparsecholesky":
         return PartialFactorisation(matrix, inner, K)
     if inverse == "pardiso":
@@ -123,7 +128,10 @@ class Elimination:
     border
         Those whose rows are long, see `spaces.unknowns.Unknowns`.
     inverse
-        Name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by one solve for each row of C.
+        Name of NGSolve's direct solver: "sparsecholesky" and "pardiso" give S by a partial factorisation, others by one solve for each row of C; or
+        "substructuring", the one of several processes.
+    exchange
+        Of processes that share the unknowns. Matrix, C and right-hand sides are additive then, solutions consistent, S is the same for all.
 
     Attributes
     ----------
@@ -134,29 +142,36 @@ class Elimination:
     """
 
     def __init__(
-        self, matrix: BaseMatrix, free: BitArray, border: Sequence[int] | np.ndarray = (), C: csr_matrix | None = None, inverse: str | None = None
+        self,
+        matrix: BaseMatrix,
+        free: BitArray,
+        border: Sequence[int] | np.ndarray = (),
+        C: csr_matrix | None = None,
+        inverse: str | None = None,
+        exchange: Exchange = Exchange(),
     ) -> None:
+        self.exchange = exchange
         self.matrix, self.C = matrix, scipy.sparse.csr_matrix((0, matrix.height)) if C is None else C
         self.fixed = ~mask(free)
-        self.scale = np.where(self.fixed, 0, unit_scale(csr_view(matrix).diagonal()))
+        self.scale = np.where(self.fixed, 0, unit_scale(exchange.Cumulated(csr_view(matrix).diagonal())))
         self.border = np.array([dof for dof in border if free[int(dof)]], dtype=int)
         inner = BitArray(free)
         for dof in self.border:
             inner.Clear(int(dof))
         self.border_rows = csr_view(matrix)[self.border]
         K = scipy.sparse.vstack([self.border_rows, self.C]).tocsc()
-        self.factors = factorise(matrix, inner, K, inverse)
+        self.factors = factorise(matrix, inner, K, inverse, exchange)
         self.name = self.factors.name
         with SuspendTaskManager():  # its threads take turns with those of dense algebra otherwise
             self._eliminate_border(self.factors.schur)
 
     def _eliminate_border(self, schur: np.ndarray) -> None:
         t = len(self.border)
-        matrix = self.border_rows[:, self.border].toarray() - schur[:t, :t]
+        matrix = self.exchange.Sum(self.border_rows[:, self.border].toarray()) - schur[:t, :t]
         self.border_scale = unit_scale(np.diag(matrix))  # tips with different functions have unknowns of different units
         self.border_matrix = matrix * self.border_scale * self.border_scale[:, None]
-        self.coupling = self.C[:, self.border].toarray() - schur[t:, :t]
-        self.S = schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T)
+        self.coupling = self.exchange.Sum(self.C[:, self.border].toarray()) - schur[t:, :t]
+        self.S = self.exchange.FromFirst(schur[t:, t:] + self.coupling @ self._at_border(self.coupling.T))
         self.positive = self.factors.positive and bool(np.all(np.linalg.eigvalsh(self.border_matrix) > 0))
 
     def _at_border(self, forces: np.ndarray) -> np.ndarray:
@@ -166,8 +181,8 @@ class Elimination:
         """The ReducedVector of a right-hand side of length ndof."""
         t = len(self.border)
         coupled = self.factors.Couple(rhs)
-        border = rhs[self.border] - coupled[:t]
-        return ReducedVector(rhs, border, coupled[t:] + self.coupling @ self._at_border(border))
+        border = self.exchange.Sum(rhs[self.border]) - coupled[:t]
+        return ReducedVector(rhs, border, self.exchange.FromFirst(coupled[t:] + self.coupling @ self._at_border(border)))
 
     def Recover(self, reduced: ReducedVector, L: np.ndarray | None = None) -> np.ndarray:
         """A⁻¹(F + CᵀL) of a ReducedVector; zero on fixed unknowns."""
@@ -190,9 +205,9 @@ class Elimination:
 
     def RelativeResidual(self, forces: Sequence[np.ndarray], x: np.ndarray) -> float:
         """Of A x = Σ forces, each row divided by √A_ii, so that no unit counts; relative to the largest of the terms that cancel."""
-        terms = [self.scale * force for force in forces] + [x[~self.fixed] / self.scale[~self.fixed]]
-        size = max(np.abs(term).max(initial=0) for term in terms)
-        residual = np.abs(self.scale * self.Residual(np.sum(forces, axis=0), x)).max(initial=0)
+        terms = [self.scale * self.exchange.Cumulated(force) for force in forces] + [x[~self.fixed] / self.scale[~self.fixed]]
+        size = self.exchange.Max(max(np.abs(term).max(initial=0) for term in terms))
+        residual = self.exchange.Max(np.abs(self.scale * self.Residual(np.sum(forces, axis=0), x)).max(initial=0))
         return float(residual / size) if size else 0.0
 
     def Residual(self, rhs: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -200,4 +215,4 @@ class Elimination:
         r, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
         r.FV().NumPy()[:] = x
         y.data = self.matrix * r
-        return np.where(self.fixed, 0, rhs - y.FV().NumPy())
+        return np.where(self.fixed, 0, self.exchange.Cumulated(rhs - y.FV().NumPy()))

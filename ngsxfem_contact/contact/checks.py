@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
+    from ..processes import Exchange
     from .contact_system import ContactSystem
     from .problem import ContactProblem
 
@@ -50,16 +51,20 @@ def check_load(F: np.ndarray, given: np.ndarray) -> None:
             raise ValueError(f"{what} is not finite (NaN or inf): check {where}")
 
 
-def check_energies(F: np.ndarray, given: np.ndarray, stiffness: BaseMatrix) -> None:
-    """Raises ValueError for a load or given displacements whose energies with an NGSolve matrix double precision cannot hold."""
-    scale = unit_scale(csr_view(stiffness).diagonal())
-    check_size(F * scale, "the load `f`")
-    check_size(given / scale, "a given displacement")
+def check_energies(F: np.ndarray, given: np.ndarray, stiffness: BaseMatrix, exchange: Exchange) -> None:
+    """Raises ValueError for a load, additive, or given displacements whose energies with an NGSolve matrix double precision cannot hold."""
+    scale = unit_scale(exchange.Cumulated(csr_view(stiffness).diagonal()))
+    check_size(exchange.Max(largest_of(exchange.Cumulated(F) * scale)), "the load `f`")
+    check_size(exchange.Max(largest_of(given / scale)), "a given displacement")
 
 
-def check_size(roots: np.ndarray, what: str, limit: float = 1e145) -> None:
-    """Raises ValueError if the square of the largest value, an energy, is too small or too large for double precision; zero is neither."""
-    largest = np.abs(roots).max(initial=0)
+def largest_of(values: np.ndarray) -> float:
+    """The largest size, NaN if there is one."""
+    return float(np.abs(values).max(initial=0))
+
+
+def check_size(largest: float, what: str, limit: float = 1e145) -> None:
+    """Raises ValueError if the square of a value, an energy, is too small or too large for double precision; zero is neither."""
     if largest and not 1 / limit < largest < limit:
         size = "small" if largest < 1 else "large"
         raise ValueError(f"{what} is too {size}: its energy is about ({largest:.1e})², beyond double precision; take other units of length or stress")
@@ -97,6 +102,7 @@ def check_coercive(problem: ContactProblem, elimination: Elimination) -> None:
     proved = elimination.positive and not trait(stabilisation, "needs_eigenvalue")
     if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.law.components)):
         return
+    problem.V.share.Refuse("The eigenvalue that tells whether γ is small enough")
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
         remedy = trait(stabilisation, "Remedy")(smallest)
@@ -143,6 +149,7 @@ def Coercivity(problem: ContactProblem) -> float:
     SingularSystem
         If rigid motions are left free that no face feels.
     """
+    problem.V.share.Refuse("Coercivity")
     motions = PinnedMotions(problem)
     gamma = problem.Gamma()
     if gamma is None:
@@ -195,6 +202,7 @@ def InfSup(V: CrackFESpace, W: TraceSpace, weight: CoefficientFunction = special
     -----
     `study.analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
     """
+    V.share.Refuse("InfSup")
     u, v = V.TnT()
     lam, mu = W.TnT()
     coupling = BilinearForm(trialspace=V, testspace=W)

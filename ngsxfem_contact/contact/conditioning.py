@@ -41,6 +41,7 @@ def CrackScaling(matrix: BaseMatrix, V: CrackFESpace, free: BitArray | None = No
     free
         Default V.FreeDofs(); functions that are negligible are left out, too.
     """
+    V.share.Refuse("CrackScaling")
     others = without_negligible(matrix, V, V.FreeDofs() if free is None else free)
     blocks = []
     for dofs in scaling_blocks(V):
@@ -85,6 +86,7 @@ def ConditionNumber(problem: ContactProblem) -> float:
     SingularSystem
         If rigid motions are left free.
     """
+    problem.V.share.Refuse("ConditionNumber")
     if free := free_motions(problem):
         raise SingularSystem(free.message)
     matrix = problem.Assemble().stiffness

@@ -11,6 +11,7 @@ from ngsolve import BilinearForm, GridFunction, LinearForm, Parameter
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import assembled, mask
+from ..spaces.exchange import exchange_of
 from ..spaces.incompressible import add_stress_power
 from ..spaces.trace_space import TraceNodes
 
@@ -54,6 +55,7 @@ class ContactSystem:
 
     Notes
     -----
+    Of several processes that share the body each has the whole of what belongs to the cracks, and an additive part of stiffness, C and forces.
     Stationarity is (K - K_γ) U - (B - C_γ)ᵀ L = F, and the second row's residual (B - C_γ) U + D_γ L - G.
     With friction the multiplier is L = (L_n, L_t), the rows of B are -∫ψ_i g_n and -∫ψ_i g_t, those of C_γ ∫γψ_i R_n and
     ∫γψ_i R_t, R_t = σ_t of the larger part, and K_γ = ∫γ (R_n R_n + R_t R_t).
@@ -63,6 +65,7 @@ class ContactSystem:
 
     def __init__(self, problem: ContactProblem) -> None:
         self.problem, self.components = problem, problem.law.components
+        self.exchange = exchange_of(problem.V)
         self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
         self.numbers = np.flatnonzero(mask(problem.body.CrackElements(None)))
         self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()
@@ -79,7 +82,7 @@ class ContactSystem:
         stiffness = stiffness_form(problem)
         mass = scipy.sparse.csr_matrix((W.ndof, W.ndof))
         if self.gamma is not None:
-            stiffness += -self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack
+            stiffness += V.share.Own(-self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack)
             mass = assembled(BilinearForm(self.gamma * lam * mu * self.dcrack), self.numbers)
         self.nodes, self.stiffness = TraceNodes(W), stiffness.Assemble().mat
         self.E = scipy.sparse.vstack([self._coupling(problem, component) for component in self.components], format="csr")
@@ -115,7 +118,7 @@ class ContactSystem:
     def _given_forces(self, shift: Callable[..., Any]) -> np.ndarray:
         """Σ ∫γ r_0 R_h(v)."""
         v = self.problem.V.TestFunction()
-        form = LinearForm(self.gamma * self.traction.WithGiven(v, self.components, shift) * self.dcrack)
+        form = LinearForm(self.problem.V.share.Own(self.gamma * self.traction.WithGiven(v, self.components, shift) * self.dcrack))
         return form.Assemble().vec.FV().NumPy().copy()
 
     def _given_moments(self, component: Component, shift: Callable[..., Any]) -> np.ndarray:
@@ -131,8 +134,8 @@ class ContactSystem:
 
     @property
     def C(self) -> csr_matrix:
-        """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E."""
-        return self.E
+        """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E. Of several processes their additive parts."""
+        return self.exchange.Additive(self.E)
 
     @property
     def distribution(self) -> csr_matrix:
@@ -157,6 +160,7 @@ class ContactSystem:
 def stiffness_form(problem: ContactProblem) -> CrackBilinearForm:
     """a(u, v) with the terms of problem.a, not assembled."""
     form = core.CrackBilinearForm(problem.V, symmetric=True)
-    add_stress_power(form, problem.material, problem.body.dx)
+    own = problem.V.share.OwnOf(None)
+    add_stress_power(form, problem.material, problem.body.dx if own is None else problem.body.dx(definedonelements=own))
     problem.a.AddTo(form)
     return form

@@ -52,6 +52,7 @@ class PinnedMotions:
         fixed = ~mask(problem.free)
         self.R = np.where(fixed[:, None], 0, free.Coefficients())
         self._refuse(without_effect(self.R[Unknowns(problem.V).heaviside]), free)
+        problem.V.share.Refuse("A part of a body that only the faces of cracks hold")
         self.centres, self.free = free.centres, free
 
     def __len__(self) -> int:

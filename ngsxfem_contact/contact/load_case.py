@@ -34,7 +34,7 @@ class LoadCase:
         self.jumps, self.held = problem.supports.NormalJumps(), frozenset(problem.supports.sides)
         self.F, self.load = problem.f.Vector(), LoadTerms.Of(problem.f)
         self.given = problem.given.vec.FV().NumPy().copy()
-        check_load(self.F, self.given)
+        problem.V.share.Together(lambda: check_load(self.F, self.given))
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,7 @@ class PathSteps:
     def __init__(
         self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None, previous: ContactSolution | FaceHistory | None = None
     ) -> None:
+        problem.V.share.Refuse("PathSteps")
         problem = problem.AtNodes()
         if not isinstance(problem.law, NodalLaw):
             raise TypeError(

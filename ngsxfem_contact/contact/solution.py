@@ -173,7 +173,8 @@ class ContactSolution(Described, AtTips):
     def Energy(self) -> float:
         """½ a(u, u), the elastic energy for each unit of thickness: stress × length². Springs of problem.a and given stresses have no part in it."""
         power = stress_power(self.problem.material, self.u, self.u, self._pressure)
-        return 0.5 * Integrate(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)), self.body.mesh)
+        own = self.problem.V.share.Own(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)))
+        return 0.5 * self.problem.V.share.Sum(Integrate(own, self.body.mesh))
 
     def ContactForce(self, crack: int | str = 0) -> float:
         """∫λ over a crack, ≤ 0 unless a law pulls: the normal force that its faces exert on each other, stress × length.
@@ -209,6 +210,8 @@ class ContactSolution(Described, AtTips):
 
         `total` of the table and the loads are in balance to round-off.
         """
+        share, pinned = self.problem.V.share, len(self.problem.supports.pinned)
+        share.Refuse("The reaction of a pin", share.Max(pinned) > 0)
         _, supports = self._found
         return supports.Forces(self.stress)
 
@@ -310,7 +313,8 @@ class ContactSolution(Described, AtTips):
     def PotentialEnergy(self) -> float:
         """Π = ½ a(u, u) + FaceEnergy() - L(u), springs and given stresses included. Without dissipation on the faces G = -dΠ/da, a the length of the crack."""
         U = self.u.vec.FV().NumPy()
-        return self.Energy() + self.FaceEnergy() + float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
+        work = float((0.5 * self.a.Forces(self.u) - self.case.F) @ U)
+        return self.Energy() + self.FaceEnergy() + self.problem.V.share.Sum(work)
 
     def Draw(self, **options: Any) -> Any:
         """Shows the deformed body with the crack open in a notebook.
@@ -367,6 +371,7 @@ class ContactSolution(Described, AtTips):
         """
         from .saved import save
 
+        self.problem.V.share.Refuse("Save")
         return save(self, path)
 
     @staticmethod

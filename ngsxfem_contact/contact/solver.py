@@ -16,6 +16,7 @@ from ..loads.load import LoadTerms
 from ..loads.reactions import SupportResidual
 from ..operators import NORMAL
 from ..protocols import Cone, Nodes
+from ..spaces.exchange import exchange_of
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
 from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, warn_of_brittle_faces
@@ -73,7 +74,9 @@ class ReducedProblem:
         self.check = check
         self.timings: dict[str, float] = {}
         self.transformed: dict[Cone, tuple[Matrix, Balance]] = {}
-        size = f"{problem.V.ndof} displacement unknowns"
+        self.exchange = exchange_of(problem.V)
+        self.number = self.exchange.Count(problem.V.ndof)
+        size = f"{self.number} displacement unknowns"
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             self.motions = PinnedMotions(problem)
             problem.supports.Check()
@@ -88,7 +91,7 @@ class ReducedProblem:
             warn_of_brittle_faces(problem, system.nodes)
         with stage(self.timings, "factor", f"eliminating {size}"):
             free = without_negligible(system.stiffness, problem.V, self.motions.Without(problem.free, system.stiffness))
-            self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse)
+            self.elimination = Elimination(system.stiffness, free, Unknowns(problem.V).tips, system.C, inverse, self.exchange)
             if check:
                 check_coercive(problem, self.elimination)
             m = system.E.shape[0]
@@ -109,8 +112,8 @@ class ReducedProblem:
         return self._reduced(case.F, case.given, case.load, case.jumps)
 
     def _reduced(self, F: np.ndarray, given: np.ndarray, load: LoadTerms, jumps: np.ndarray) -> ReducedCase:
-        check_load(F, given)
-        check_energies(F, given, self.system.stiffness)
+        self.exchange.Together(lambda: check_load(F, given))
+        check_energies(F, given, self.system.stiffness, self.exchange)
         traction = self.system.Given(load)
         forces = F + traction.F
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
@@ -140,9 +143,9 @@ class ReducedProblem:
         self.system.CheckCone(cone)
         case = self.Whole(case)
         if not gives_way(problem.law, self.system.nodes):
-            problem.supports.CheckOverlap(case.jumps, problem.gap, np.abs(case.given).max())
+            problem.supports.CheckOverlap(case.jumps, problem.gap, self.exchange.Max(np.abs(case.given).max()))
         report = Report(
-            (int(problem.V.ndof), int(problem.W.ndof)),
+            (self.number, int(problem.W.ndof)),
             self.elimination.name,
             dict(self.timings),
             notes=[*problem.body.notes, *self.motions.notes],
@@ -159,7 +162,10 @@ class ReducedProblem:
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:
         T, balance = self.Signs(cone)
         faces = self.Faces(cone, self._history(options.previous, cone), case)
-        found = self.problem.law.Solve(balance.compliance.matrix, self.RightSide(case, cone), faces, self._first_set(options), report, options.max_iterations)
+        arguments = self.RightSide(case, cone), faces, self._first_set(options), report, options.max_iterations
+        found = self.exchange.Together(lambda: self.problem.law.Solve(balance.compliance.matrix, *arguments))
+        found, reported = self.exchange.FromFirst((found, vars(report)))
+        vars(report).update({name: value for name, value in reported.items() if name != "timings"})
         p, alpha = np.split(found, [len(balance.Q)])
         G = self._gaps(case)
         return NodalSolution(case, faces, T, p, G, balance.Motions(p, alpha, T.T @ (case.g - G), faces.pull))
@@ -228,8 +234,8 @@ class ReducedProblem:
             self._measure(found, U, report)
             check_converged(report)
             u.vec.FV().NumPy()[:] = U
-        exerted = self.system.Stiffness(U) - found.case.forces - self.system.Forces(found.L)
-        return u, SupportResidual(self.problem.V, *self.supports, exerted, -self.problem.a.Forces(u))
+        exerted, springs = self.system.Stiffness(U) - found.case.forces - self.system.Forces(found.L), -self.problem.a.Forces(u)
+        return u, SupportResidual(self.problem.V, *self.supports, self.exchange.Cumulated(exerted), self.exchange.Cumulated(springs))
 
     def _measure(self, found: NodalSolution, U: np.ndarray, report: Report) -> None:
         """The residual of (38) and the complementarity of a solution, into the report."""
@@ -285,7 +291,7 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
     free_gap = np.abs(T.T @ (found.case.g - found.G)) / lengths
     history = found.faces.history
     before = 0.0 if history is None else np.abs(history.jump).max(initial=0)
-    displacement = max(np.abs(U[Unknowns(problem.V).regular]).max(), free_gap.max(initial=0), before)
+    displacement = max(system.exchange.Max(np.abs(U[Unknowns(problem.V).regular]).max()), free_gap.max(initial=0), before)
     scale = max(np.abs(p).max(initial=0), TINY)
     return problem.law.Violation(p, w, found.faces, Scales(scale, np.maximum(lengths * displacement, TINY)))
 

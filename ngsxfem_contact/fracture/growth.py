@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._ngsxfem_contact import Crack, CrackedMesh
 from ..arguments import check_number, check_whole
 from ..errors import SingularSystem
+from ..geometry import Crack, CrackedMesh
 from ..protocols import CrackInitiation, GrowthCriterion, GrowthLaw, members
 from ..spaces.resolution import warn_of_short_increment
 from ..tables import Table

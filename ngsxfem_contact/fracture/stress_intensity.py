@@ -138,6 +138,7 @@ def given_stress(solution: ContactSolution, frame: TipFrame) -> GivenStress | No
     given = solution.load.stress
     if given is None:
         return None
+    solution.problem.V.share.Refuse("K with a given stress")
     mesh, order, parts = solution.body.mesh, solution.problem.V.order + 2, []
     near = solution.body.dx(definedonelements=elements_within(mesh, frame.tip.point, 3 * frame.h))
     for component in given.Reshape((4,)):

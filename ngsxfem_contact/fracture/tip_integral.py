@@ -91,12 +91,13 @@ class TipIntegral:
     def __init__(self, problem: ContactProblem, frame: TipFrame, radius: float, bonus_intorder: int = 4) -> None:
         self.frame, self.body, self.mesh = frame, problem.body, problem.body.mesh
         self.q, self.grad_q = frame.Weight(radius), frame.WeightGradient(radius)
-        self.elements = elements_within(self.mesh, frame.tip.point, radius)
+        self.share = problem.V.share
+        self.elements = self.share.OwnOf(elements_within(self.mesh, frame.tip.point, radius))
         self.disk = self.body.dx(definedonelements=self.elements, bonus_intorder=bonus_intorder, space=problem.V)
         self.points, self.weights = crack_rule(problem.W, frame.tip, radius)
 
     def __call__(self, a: TipField, b: TipField) -> float:
-        return self._volume(a, b) + self._loads(a, b) + self._lips(a, b)
+        return self.share.Sum(self._volume(a, b) + self._loads(a, b)) + self._lips(a, b)
 
     def _volume(self, a: TipField, b: TipField) -> float:
         e = self.frame.ahead

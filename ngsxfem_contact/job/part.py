@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .._ngsxfem_contact import CrackedMesh
 from ..contact.load_steps import LoadSteps
 from ..contact.problem import ContactProblem
 from ..contact.solution import ContactSolution
+from ..geometry import CrackedMesh
 from . import body, conditions
 from .table import RefusedPart, Table, array, boolean, number, subtable, tables, text, whole
 

@@ -59,8 +59,9 @@ class LoadForm(LinearForm):
         self.V, self.given = V, []
 
     def __iadd__(self, form: Any) -> LoadForm:
-        given = [PointLoad(form)] if isinstance(form, fem.PointEvaluationFunctional) else self._checked(form)
-        super().__iadd__(form)
+        self.V.share.Refuse("A point load", isinstance(form, fem.PointEvaluationFunctional))
+        given = [PointLoad(form)] if isinstance(form, fem.PointEvaluationFunctional) else self.V.share.Together(lambda: self._checked(form))
+        super().__iadd__(form if isinstance(form, fem.PointEvaluationFunctional) else self.V.share.Own(form))
         self.given += given
         return self
 
@@ -76,7 +77,7 @@ class LoadForm(LinearForm):
         return [GivenTerm(term) for term in terms]
 
     def Vector(self) -> np.ndarray:
-        """F of (38), an array."""
+        """F of (38), an array, additive."""
         return self.Assemble().vec.FV().NumPy().copy()
 
     def ReplacedBy(self, form: LinearForm) -> LoadForm:
@@ -217,11 +218,11 @@ class LoadTerms:
         return sum(factor * given.BodyForce(field, elements) for factor, given in self.parts if factor)
 
     def Vector(self, V: CrackFESpace) -> np.ndarray:
-        """F of these terms, with the values that its coefficients have now."""
+        """F of these terms, with the values that its coefficients have now; additive."""
         total = np.zeros(V.ndof)
         for factor, given in self.parts:
             form = LinearForm(V)
-            form += given.form
+            form += given.form if isinstance(given, PointLoad) else V.share.Own(given.form)
             total += factor * form.Assemble().vec.FV().NumPy()
         return total
 
@@ -280,10 +281,7 @@ class StiffnessForm:
         self.V, self.terms = V, []
 
     def __iadd__(self, form: Any) -> StiffnessForm:
-        terms = checked_terms(form, self.V, NAME_A)
-        for term in terms:
-            check_bilinear(term)
-        self.terms += terms
+        self.terms += self.V.share.Together(lambda: checked_bilinear(form, self.V))
         return self
 
     def AddTo(self, form: BilinearForm) -> None:
@@ -295,14 +293,14 @@ class StiffnessForm:
             What the terms are added to.
         """
         for term in self.terms:
-            form += term.form
+            form += self.V.share.Own(term.form)
 
     def Forces(self, u: GridFunction) -> np.ndarray:
-        """The terms as a linear form of v for a GridFunction u, an array: minus what springs and joints exert on the body."""
+        """The terms as a linear form of v for a GridFunction u, an additive array: minus what springs and joints exert on the body."""
         operator = lambda name: u if name == "Id" else u.Operator(name)
         form = LinearForm(self.V)
         for term in self.terms:
-            form += term.form.Replace(replaced(term.trial, operator))
+            form += self.V.share.Own(term.form.Replace(replaced(term.trial, operator)))
         return form.Assemble().vec.FV().NumPy().copy() if self.terms else np.zeros(self.V.ndof)
 
     def Copy(self) -> StiffnessForm:
@@ -341,6 +339,14 @@ class StiffnessForm:
         """The Joint of the terms over the cracks, or None."""
         terms = [term for term in self.terms if place_of(term) == "crack"]
         return Joint(terms) if terms else None
+
+
+def checked_bilinear(form: Any, V: CrackFESpace) -> list[FormTerm]:
+    """The core.FormTerms of springs and joints. Raises as `terms.checked_terms` and `check_bilinear`."""
+    terms = checked_terms(form, V, NAME_A)
+    for term in terms:
+        check_bilinear(term)
+    return terms
 
 
 def check_bilinear(term: FormTerm) -> None:

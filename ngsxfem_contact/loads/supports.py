@@ -91,6 +91,9 @@ class Supports:
         if components not in COMPONENTS:
             raise ValueError(f"Pin: components={components!r} is not one of {sorted(COMPONENTS)}")
         vertex = self._vertex_at(point)
+        self.V.share.Together(lambda: self._pin(point, vertex, components, value) if vertex >= 0 else None)
+
+    def _pin(self, point: Sequence[float], vertex: int, components: str, value: Any) -> None:
         dofs = self.V.GetDofNrs(NodeId(VERTEX, vertex))
         if len(dofs) > 2:
             raise ValueError(f"Pin: u may jump at the vertex {tuple(point)}, beside the crack; pin a vertex away from it")
@@ -104,14 +107,16 @@ class Supports:
         self._apply()
 
     def _vertex_at(self, point: Sequence[float]) -> int:
+        """-1: one that other processes hold."""
         if np.shape(point) != (2,) or not all(isinstance(coordinate, Real) for coordinate in point):
             raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
         vertices = self.V.mesh.ngmesh.Coordinates()[: self.V.mesh.nv, :2]
         distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
         nearest = int(np.argmin(distance))
-        if not distance[nearest] <= 1e-8 * np.ptp(vertices, axis=0).max():
-            raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {tuple(vertices[nearest].tolist())}")
-        return nearest
+        _, size, best = min(self.V.share.Gather((float(distance[nearest]), float(np.ptp(vertices, axis=0).max()), tuple(vertices[nearest].tolist()))))
+        if not np.hypot(*np.subtract(best, point)) <= 1e-8 * size:
+            raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {best}")
+        return nearest if tuple(vertices[nearest].tolist()) == best else -1
 
     def SetDirichlet(self, value: Any, region: Any) -> None:
         """See ContactProblem.SetDirichlet."""

@@ -20,7 +20,7 @@ from ..files import write_whole
 from ..operators import Minus, Plus
 from ..points import mesh_arrays
 from ..spaces.unknowns import Unknowns
-from .split_mesh import SplitMesh
+from .split_mesh import SharedTriangles, SplitMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -109,6 +109,7 @@ def plot_body(
     -----
     The colours leave out the least and the largest 2 % of the values.
     """
+    solution.problem.V.share.Refuse("A picture of the body")
     split, u = split_displacement(solution)
     scale = visible_scale(split, u, scale)
     ax = ax or pyplot().subplots(layout="constrained")[1]
@@ -222,14 +223,15 @@ def save_vtk(solution: ContactSolution, path: str | Path) -> str:
     if not path.name:
         raise ValueError(f"SaveVTK: {str(path)!r} is not the name of a file")
     path = path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
-    split, u = split_displacement(solution)
+    share, (split, u) = solution.problem.V.share, split_displacement(solution)
     stress = solution.stress
     names = ["von_mises", "stress_xx", "stress_yy", "stress_xy"]
     scalars = CF((solution.VonMises(), stress[0, 0], stress[1, 1], stress[0, 1]))
     values, side = split.EvaluateInside(scalars), np.repeat(split.side, 3).reshape(-1, 3, 1)
-    fields = [CF((split.GridFunction(u), 0)), *(split.GridFunction(values[..., [i]]) for i in range(4)), split.GridFunction(side)]
-    write = lambda temporary: VTKOutput(split.mesh, fields, ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()
-    return str(write_whole(path, write, end=b"</VTKFile>"))
+    drawn = SharedTriangles(split, share)
+    fields = [CF((drawn.GridFunction(u), 0)), *(drawn.GridFunction(values[..., [i]]) for i in range(4)), drawn.GridFunction(side)]
+    write = lambda temporary: VTKOutput(drawn.mesh, fields, ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()
+    return share.Together(lambda: str(write_whole(path, write, end=b"</VTKFile>") if share.is_first else path))
 
 
 def draw(solution: ContactSolution, field: CoefficientFunction | None = None, scale: float | None = None, **options: Any) -> Any:
@@ -246,6 +248,7 @@ def draw(solution: ContactSolution, field: CoefficientFunction | None = None, sc
     """
     from ngsolve.webgui import Draw
 
+    solution.problem.V.share.Refuse("A picture of the body")
     split, u = split_displacement(solution)
     values, (low, high) = shown_values(solution, split, field)
     scale = visible_scale(split, u, scale)

@@ -5,7 +5,7 @@ In a SplitMesh the elements that a crack meets are replaced by their parts on ei
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ngsolve import BitArray, CoefficientFunction
 
     from .._ngsxfem_contact import Crack, CrackedMesh, PartTriangle
+    from ..share import Share
 
 LIPS = (1, -1)  # plus and minus
 BESIDE = 1e-9  # of the way to a triangle's centre: beside a point at which cracks meet, where no crack has a side of its own
@@ -145,10 +146,38 @@ class SplitMesh:
 
     def GridFunction(self, values: np.ndarray) -> GridFunction:
         """On `mesh`: continuous from values (N, dim) at the points, discontinuous from values (M, 3, dim) at the corners."""
-        space = H1(self.mesh, order=1, dim=values.shape[-1])
-        function = GridFunction(space if values.ndim == 2 else Discontinuous(space, dim=space.dim))
-        function.vec.FV().NumPy()[:] = values.ravel()
-        return function
+        return linear_function(self.mesh, values)
+
+
+class SharedTriangles:
+    """The own triangles of the SplitMeshes of all processes, one after the other; points between processes are there once for each of them.
+
+    Parameters
+    ----------
+    split : SplitMesh
+        Of this process.
+    share
+        Its Share.
+    """
+
+    def __init__(self, split: SplitMesh, share: Share) -> None:
+        self.share, self.own = share, share.IsOwn(split.element)
+        self.used, corners = np.unique(split.triangles[self.own], return_inverse=True)
+        points, triangles = zip(*share.Gather((split.points[self.used], corners.reshape(-1, 3))))
+        first = np.cumsum([0, *map(len, points)])
+        self.mesh = Mesh(triangle_mesh(np.concatenate(points), np.concatenate([own + start for own, start in zip(triangles, first)])))
+
+    def GridFunction(self, values: np.ndarray) -> GridFunction:
+        """On `mesh`, from the values that each process has, as of a SplitMesh."""
+        return linear_function(self.mesh, np.concatenate(self.share.Gather(values[self.used if values.ndim == 2 else self.own])))
+
+
+def linear_function(mesh: Mesh, values: np.ndarray) -> GridFunction:
+    """On a mesh of N points and M triangles: continuous from values (N, dim), discontinuous from values (M, 3, dim) at the corners."""
+    space = H1(mesh, order=1, dim=values.shape[-1])
+    function = GridFunction(space if values.ndim == 2 else Discontinuous(space, dim=space.dim))
+    function.vec.FV().NumPy()[:] = values.ravel()
+    return function
 
 
 def conforming_triangles(body: CrackedMesh, tolerance: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -325,17 +354,23 @@ def reference_coordinates(mesh: Mesh, corners: np.ndarray, element: np.ndarray) 
 
 def ngsolve_mesh(split: SplitMesh) -> Mesh:
     """The mesh of NGSolve with the points, triangles and boundaries of a SplitMesh."""
-    import netgen.meshing as netgen
-
-    mesh = netgen.Mesh(dim=2)
-    mesh.Add(netgen.FaceDescriptor(surfnr=1, domin=1, bc=1))
-    mesh.AddPoints(np.column_stack([split.points, np.zeros(len(split.points))]))
-    mesh.AddElements(dim=2, index=1, data=split.triangles.astype(np.int32), base=0)
+    mesh = triangle_mesh(split.points, split.triangles)
     edges, names = boundary_edges(split)
     for i, name in enumerate(np.unique(names)):
         mesh.AddElements(dim=1, index=i + 1, data=edges[names == name].astype(np.int32), base=0)
         mesh.SetBCName(i, str(name))
     return Mesh(mesh)
+
+
+def triangle_mesh(points: np.ndarray, triangles: np.ndarray) -> Any:
+    """The mesh of Netgen with points (N, 2) and triangles (M, 3), without boundary elements."""
+    import netgen.meshing as netgen
+
+    mesh = netgen.Mesh(dim=2)
+    mesh.Add(netgen.FaceDescriptor(surfnr=1, domin=1, bc=1))
+    mesh.AddPoints(np.column_stack([points, np.zeros(len(points))]))
+    mesh.AddElements(dim=2, index=1, data=triangles.astype(np.int32), base=0)
+    return mesh
 
 
 def boundary_edges(split: SplitMesh) -> tuple[np.ndarray, np.ndarray]:

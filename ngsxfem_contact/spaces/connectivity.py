@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from .._ngsxfem_contact import CrackFESpace
     from ..loads.load import StiffnessForm
+    from ..share import Share
 
 SLIVER = 1e-12  # of the largest part of an element: a smaller one holds nothing together
 HELD = 1e-8  # of a motion's size: what supports change by less is free
@@ -31,6 +33,8 @@ class VertexCopies:
     ----------
     corners
         (n, 3), the copies at the corners of each part of an element, or of a whole one.
+    element
+        (n,) the element of each.
     labels
         (n,) the part of the body to which it belongs: those are joined where they share two copies, an edge; one copy alone is a hinge.
     parts
@@ -49,24 +53,26 @@ class VertexCopies:
         for copy, j in enumerate(self.functions, self.nv):
             self.further.setdefault(int(self.vertex[copy]), []).append((copy, j))
         away, beside = self._elements()
-        self.corners = np.concatenate([away, np.array(list(self._parts(beside)), dtype=int).reshape(-1, 3)])
-        self.parts, self.labels = parts_joined_by_edges(self.corners, len(self.vertex))
+        parts = list(self._parts(beside))
+        self.corners = np.concatenate([away[1], np.array([corners for _, corners in parts], dtype=int).reshape(-1, 3)])
+        self.element = np.concatenate([away[0], np.array([element for element, _ in parts], dtype=int)])
+        self.parts, self.labels = joined(V.share, self, *parts_joined_by_edges(self.corners, len(self.vertex)))
 
-    def _elements(self) -> tuple[np.ndarray, list[tuple[int, Any]]]:
-        """The vertices of elements away from the cracks, (n, 3); number and vertices of the others."""
+    def _elements(self) -> tuple[tuple[np.ndarray, np.ndarray], list[tuple[int, Any]]]:
+        """Numbers (n,) and vertices (n, 3) of elements away from the cracks; number and vertices of the others."""
         vertices = self.V.mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
         enriched = np.zeros(self.nv, dtype=bool)
         enriched[list(self.further)] = True
         beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
-        return vertices[~beside], [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
+        return (np.flatnonzero(~beside), vertices[~beside]), [(int(element), vertices[element].tolist()) for element in np.flatnonzero(beside)]
 
-    def _parts(self, elements: list[tuple[int, Any]]) -> Iterator[list[int]]:
-        """The copies at the corners of each part of the elements beside a crack."""
+    def _parts(self, elements: list[tuple[int, Any]]) -> Iterator[tuple[int, list[int]]]:
+        """The element, and the copies at the corners, of each part of the elements beside a crack."""
         for element, vertices in elements:
             sizes = self.V.body.PartSizes(element)
             further = [[(copy, self.V.HeavisideFactors(j, element)) for copy, j in self.further.get(vertex, ())] for vertex in vertices]
             for part in np.flatnonzero(np.array(sizes) > SLIVER * max(sizes)):
-                yield [next((copy for copy, factors in copies if factors[part]), vertex) for vertex, copies in zip(vertices, further)]
+                yield element, [next((copy for copy, factors in copies if factors[part]), vertex) for vertex, copies in zip(vertices, further)]
 
     def Displacement(self, copy: int, component: int) -> csr_matrix:
         """The row (1, ndof) that gives a component of the displacement of a copy."""
@@ -94,6 +100,39 @@ def parts_joined_by_edges(corners: np.ndarray, copies: int) -> tuple[int, np.nda
     return scipy.sparse.csgraph.connected_components(scipy.sparse.coo_matrix((np.ones(len(shared), dtype=bool), pairs), shape=(n, n)), directed=False)
 
 
+def joined(share: Share, copies: VertexCopies, parts: int, labels: np.ndarray) -> tuple[int, np.ndarray]:
+    """(number, labels) of the parts of the whole body, of those that each process sees: they are one where processes hold the same part of an element, or meet at an edge."""
+    if not share.several:
+        return parts, labels
+    everywhere, corners = share.everywhere[copies.element], share.vertices[copies.vertex[copies.corners]]
+    pairs = corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    at_others = (share.own[copies.element] & ~everywhere).repeat(3) & np.isin(pairs, share.vertices[share.interface]).all(axis=1)
+    names = [(*edge, -1) for edge in np.sort(pairs[at_others], axis=1).tolist()]
+    held = share.elements[copies.element[everywhere]].tolist()
+    names += [(element, part, -2) for element, part in zip(held, number_of_repeat(held))]
+    own = np.concatenate([labels.repeat(3)[at_others], labels[everywhere]]).tolist()
+    of_all = share.Gather((parts, names, own))
+    first = np.concatenate([[0], np.cumsum([number for number, _, _ in of_all])])
+    known: dict[tuple[int, ...], int] = {}
+    links = [
+        (first[rank] + label, known.setdefault(name, first[rank] + label)) for rank, (_, keys, those) in enumerate(of_all) for name, label in zip(keys, those)
+    ]
+    rows, columns = np.array(links, dtype=int).reshape(-1, 2).T
+    graph = scipy.sparse.coo_matrix((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(first[-1], first[-1]))
+    number, whole = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    return number, whole[first[share.comm.rank] + labels]
+
+
+def number_of_repeat(names: list[Any]) -> list[int]:
+    """How often each name was there before."""
+    before: Counter[Any] = Counter()
+    numbers = []
+    for name in names:
+        numbers.append(before[name])
+        before[name] += 1
+    return numbers
+
+
 class RigidMotions:
     """Two translations and a turn for each part of a body, about its centre, in units of its size; what hinges and supports ask of them."""
 
@@ -102,9 +141,10 @@ class RigidMotions:
         keys = np.unique(copies.corners.astype(np.int64) * copies.parts + copies.labels[:, None])
         self.copy, self.part = keys // copies.parts, keys % copies.parts  # each pair once, ordered by copies
         self.points = V.mesh.ngmesh.Coordinates()[copies.vertex, :2]
-        members = [self.points[self.copy[self.part == part]] for part in range(copies.parts)]
-        self.centres = np.array([0.5 * (points.min(axis=0) + points.max(axis=0)) for points in members])
-        self.sizes = np.array([np.ptp(points, axis=0).max() for points in members])
+        self.share, members = V.share, [self.points[self.copy[self.part == part]] for part in range(copies.parts)]
+        corner = lambda sign: np.array([(sign * points).max(axis=0, initial=-np.inf) for points in members])
+        high, low = (sign * np.max(self.share.Gather(corner(sign)), axis=0) for sign in (1, -1))
+        self.centres, self.sizes = 0.5 * (low + high), (high - low).max(axis=1)
         self.hinges = np.flatnonzero(np.diff(self.copy) == 0)  # pairs i and i + 1 are one copy in two parts
 
     def Rows(self, pairs: np.ndarray, component: int) -> np.ndarray:
@@ -143,10 +183,10 @@ class RigidMotions:
         """
         unknowns, rows = self.Coefficients()
         hinges = [self.Rows(self.hinges, k) - self.Rows(self.hinges + 1, k) for k in range(2)]
-        return np.concatenate([*hinges, rows[fixed[unknowns]], self._of_springs(springs, unknowns, rows)])
+        of_all = self.share.Gather(np.concatenate([*hinges, rows[fixed[unknowns]]]))
+        return np.concatenate([*of_all, self._of_springs(springs, unknowns, rows)])
 
-    @staticmethod
-    def _of_springs(springs: StiffnessForm, unknowns: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def _of_springs(self, springs: StiffnessForm, unknowns: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """The square root of the energy of springs, relative to the largest: it vanishes where none resists."""
         if not springs.terms:
             return rows[:0]
@@ -155,7 +195,7 @@ class RigidMotions:
             motion.vec[:] = 0
             motion.vec.FV().NumPy()[unknowns] = column
             forces.append(rows.T @ springs.Forces(motion)[unknowns])
-        energies, modes = np.linalg.eigh(forces)
+        energies, modes = np.linalg.eigh(self.share.Sum(np.array(forces)))
         return np.sqrt(np.maximum(energies, 0) / max(energies[-1], np.finfo(float).tiny))[:, None] * modes.T
 
     def Free(self, fixed: np.ndarray, springs: StiffnessForm) -> FreeMotions | None:

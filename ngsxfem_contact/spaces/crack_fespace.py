@@ -13,6 +13,7 @@ from ..errors import warn
 from ..material import Elasticity, Isotropic
 from ..points import place
 from ..protocols import TipFunctions, check_role
+from ..share import share_in
 from ..sheets import check_plane_body
 from .resolution import warn_of_coarse
 from .tip_disk import check_disk, largest_disk
@@ -189,7 +190,7 @@ class CrackFESpace(Described, core.CrackFESpace):
         if bubble:
             flags["orderinner"] = max(3, order + 1)
         super().__init__(body, specs, tolerance, order=order, **flags)
-        self.material = material
+        self.material, self.share = material, share_in(body)
         self.undecided = [number for number, enrichment in enumerate(tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
         warn_of_undecided(body, self.undecided)
         warn_of_coarse(body, specs, material)
@@ -206,7 +207,7 @@ class CrackFESpace(Described, core.CrackFESpace):
     def __setstate__(self, state: Any) -> None:
         of_core, material, undecided = state
         super().__setstate__(of_core)
-        self.material, self.undecided = material, undecided
+        self.material, self.undecided, self.share = material, undecided, share_in(self.body)
 
 
 def tip_enrichments(tip: Any, body: CrackedMesh, material: Isotropic | None) -> list[TipFunctions | None]:

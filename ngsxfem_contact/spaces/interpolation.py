@@ -40,6 +40,7 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     -----
     With several cracks the same pair is used at each.
     """
+    V.share.Refuse("Interpolant")
     V.body.CheckMesh()
     unknowns = Unknowns(V)
     one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
@@ -114,6 +115,7 @@ def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: i
     ValueError
         For a function that is not finite or has not two components.
     """
+    V.share.Refuse("Projection")
     u, v = V.TnT()
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
     function = check_function(function, "Projection: function", 2)

@@ -8,6 +8,7 @@ import numpy as np
 from ngsolve import BitArray
 
 from ..algebra.matrices import csr_view
+from .exchange import exchange_of
 from .unknowns import Unknowns
 
 if TYPE_CHECKING:
@@ -35,16 +36,16 @@ def negligible_functions(matrix: BaseMatrix, V: CrackFESpace, free: BitArray) ->
     smallest. Without them the energy norm of an answer changes by at most √BOUND |b_i| ‖φ_i‖ for each, and they would
     be pivots of round-off size.
     """
-    A = csr_view(matrix)
-    energies = A.diagonal()
+    A, exchange = csr_view(matrix), exchange_of(V)
+    energies = exchange.Cumulated(A.diagonal())
     unknowns = Unknowns(V)
     whole, first = energies_of_whole_functions(unknowns, energies), unknowns.heaviside.start
     slivers = first + np.flatnonzero(energies[unknowns.heaviside] < SLIVER * whole)
     slivers = np.array([dof for dof in slivers if free[int(dof)]], dtype=int)
     if len(slivers) == 0:
         return slivers
-    slivers = slivers[np.argsort(-energies[slivers], kind="stable")]
-    adds = added_energies(A[slivers][:, slivers].tocsr(), BOUND * whole[slivers - first])
+    slivers = slivers[np.lexsort((exchange.Rank(slivers), -energies[slivers]))]
+    adds = added_energies(exchange.Sum(A[slivers][:, slivers]).tocsr(), BOUND * whole[slivers - first])
     return slivers[~adds]
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..points import place
+from ..share import share_in
 
 if TYPE_CHECKING:
     from ngsolve import Mesh
@@ -25,10 +26,11 @@ def largest_disk(body: CrackedMesh, tip: Tip, material: Isotropic | None = None)
     (material given) elements of another one. Zero if the tip itself lies on such an element.
     """
     limits = [(tip.clearance, tip.limit)]
+    share = share_in(body)
     if body.mesh.GetCurveOrder() > 1:
         curved = body.mesh.ngmesh.Elements2D().NumPy()["curved"]
         limits.append((distance(body.mesh, np.flatnonzero(curved), tip.point), "a curved element"))
-    to_others = distance_to_others(body.mesh, tip.point, material)
+    to_others = -share.Max(-distance_to_others(body.mesh, tip.point, material))
     check_off_interface(tip, to_others)
     limits.append((to_others, "another material, for which the modes are wrong"))
     return min(limits, key=lambda limit: limit[0])

@@ -13,6 +13,7 @@ from .. import _ngsxfem_contact as core
 from ..algebra.matrices import to_scipy
 from ..arguments import check_whole
 from ..description import Described, numbered
+from ..share import share_in
 from ..sheets import check_plane_body
 from .nodes import CurveNodes
 
@@ -64,6 +65,7 @@ class TraceSpace(Described, core.TraceSpace):
             raise TypeError(f"TraceSpace: nodes={nodes!r} are no arc lengths, one list of numbers for each crack") from None
         if basis not in ("nodal", "trace"):
             raise ValueError(f"TraceSpace: basis={basis!r} is not 'nodal' or 'trace'")
+        share_in(body).Refuse("TraceSpace(basis='trace')", basis == "trace" and order > 0)
         if basis == "trace" and order > 0:
             functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
         super().__init__(body, functions, order)

@@ -47,7 +47,7 @@ def test_every_file_is_in_a_layer():
 def test_tests_mirror_the_layers():
     folders = {path.parent.name for path in (ROOT / "tests").glob("*/test_*.py")}
     layers = {layer for order, _ in LAYERS.values() for layer in order} - {TOOL["BASE"]}
-    assert layers - folders <= {"exact"} and folders - layers == {"networks", "project", "sheets", "study"}
+    assert layers - folders <= {"exact"} and folders - layers == {"mpi", "networks", "project", "sheets", "study"}
 
 
 PLANE_ONLY = {"trace_space.cpp", "trace_space.hpp", "curve_nodes.cpp", "curve_nodes.hpp"}  # multipliers on curves

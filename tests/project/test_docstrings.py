@@ -126,7 +126,6 @@ def test_arguments_of_the_extension_are_described():
 
 def test_the_classes_of_the_extension_that_users_make_are_described():
     assert described(ngsxfem_contact.Crack.__doc__) == ["points", "name"]
-    assert described(ngsxfem_contact.CrackedMesh.__doc__) == ["mesh", "cracks"]
 
 
 def written_docstrings():

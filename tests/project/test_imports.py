@@ -6,7 +6,7 @@ import sys
 import tempfile
 
 HEAVY = ["scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial", "scipy.special"]
-NOT_OURS = ["matplotlib", "tqdm", "IPython", "ipywidgets", "pandas", "mpmath", "ngsolve.webgui"]
+NOT_OURS = ["matplotlib", "tqdm", "IPython", "ipywidgets", "pandas", "mpmath", "ngsolve.webgui", "mpi4py", "petsc4py"]
 
 
 def loaded_by(*statements):

@@ -1,0 +1,183 @@
+"""Contact problems for several processes: `mpirun -n 3 python tests/mpi/solutions.py FOLDER NAME ...` solves some, all without names, and writes what was found to FOLDER/NAME.npz.
+
+The script is that of one process, but for `DistributedMesh`. What processes share is summed here by `Exchange`, so that it can be compared whatever their number.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from netgen.geom2d import SplineGeometry, unit_square
+from ngsolve import CF, x, y
+from ngsolve.meshes import MakeStructured2DMesh
+
+from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, TraceSpace
+from ngsxfem_contact.algebra.matrices import csr_view
+from ngsxfem_contact.contact.solver import ReducedProblem
+from ngsxfem_contact.processes import DistributedMesh
+from ngsxfem_contact.spaces.exchange import exchange_of
+from ngsxfem_contact.spaces.negligible import negligible_functions
+
+STEEL = Elasticity.PlaneStrain(E=210e3, nu=0.3)
+BENDING = CF((20 * y, 100 * (x - 0.6)))
+
+
+def square():
+    return unit_square.GenerateMesh(maxh=0.07)
+
+
+def two_regions():
+    """A square with a stiffer strip on the right, and a round hole."""
+    geometry = SplineGeometry()
+    points = [geometry.AppendPoint(*point) for point in ((0, 0), (0.8, 0), (1, 0), (1, 1), (0.8, 1), (0, 1))]
+    for a, b, left, right, name in (
+        (0, 1, 1, 0, "bottom"),
+        (1, 2, 2, 0, "bottom"),
+        (2, 3, 2, 0, "right"),
+        (3, 4, 2, 0, "top"),
+        (4, 5, 1, 0, "top"),
+        (5, 0, 1, 0, "left"),
+        (1, 4, 1, 2, "inner"),
+    ):
+        geometry.Append(["line", points[a], points[b]], leftdomain=left, rightdomain=right, bc=name)
+    geometry.SetMaterial(1, "soft")
+    geometry.SetMaterial(2, "stiff")
+    geometry.AddCircle((0.25, 0.8), 0.08, leftdomain=0, rightdomain=1, bc="hole")
+    return geometry.GenerateMesh(maxh=0.08)
+
+
+def body(*cracks, make=square, order=2, law=None, material=STEEL, dirichlet="bottom", load=BENDING, on="top", weight=CF((0, -3 * x))):
+    """A ContactProblem."""
+    cracked = CrackedMesh(DistributedMesh(make), *cracks)
+    V = CrackFESpace(cracked, order=order, material=material(cracked.mesh) if callable(material) else material, dirichlet=dirichlet)
+    problem, v = ContactProblem(V, TraceSpace(cracked, order=1), law=law), V.TestFunction()
+    problem.f += load * v * cracked.ds(on)
+    problem.f += weight * v * cracked.dx
+    return problem
+
+
+EDGE, INCLINED, KINKED = Crack([(0, 0.5), (0.5, 0.5)]), Crack([(0.3, 0.45), (0.7, 0.55)]), Crack([(0.3, 0.3), (0.45, 0.4), (0.7, 0.35)])
+
+
+def edge(order):
+    return body(EDGE, order=order)
+
+
+def several(order):
+    return body(KINKED, Crack([(0, 0.7), (0.4, 0.75)]), order=order)
+
+
+def crossing(order):
+    return body(INCLINED, Crack([(0.48, 0.25), (0.52, 0.75)]), order=order)
+
+
+def arc(order):
+    return body(Crack.Arc((0.3, 0.45), (0.5, 0.55), (0.7, 0.45)), order=order)
+
+
+def through(order):
+    """Both parts are held, and displacements are given."""
+    problem = body(Crack([(0, 0.5), (1, 0.52)]), order=order, dirichlet="bottom|top", on="left|right")
+    problem.SetDirichlet((0, -1e-4 * (1 + x)), "top")
+    return problem
+
+
+def slivers(order):
+    """The crack passes mesh vertices at a millionth of an element."""
+    return body(Crack([(0, 0.5 + 7e-8), (0.5, 0.5 + 7e-8)]), order=order)
+
+
+def regions(order):
+    """Two materials, and a hole."""
+    stiff = lambda mesh: Elasticity.ByRegion(mesh, {"soft": STEEL, "stiff": Elasticity.PlaneStrain(E=630e3, nu=0.2)})
+    return body(Crack([(0.3, 0.5), (0.6, 0.55)]), make=two_regions, order=order, material=stiff)
+
+
+def along_edges(order):
+    """The crack runs along edges of the mesh, some of them between processes, where equals have to be decided in the same way."""
+    return body(EDGE, make=lambda: MakeStructured2DMesh(quads=False, nx=14, ny=14).ngmesh, order=order)
+
+
+def slip(order):
+    """Friction that slips."""
+    return body(INCLINED, order=order, law=Coulomb(0.1), load=CF((30, -100)))
+
+
+def pinned(order):
+    """Held by two pins, under loads in balance, with a spring."""
+    problem = body(INCLINED, order=order, dirichlet="", load=CF((0, 50 * (y - 0.5) * 4)), on="top|bottom", weight=CF((0, 0)))
+    u, v = problem.V.TnT()
+    problem.Pin((0, 0), "xy")
+    problem.Pin((1, 0), "y")
+    problem.a += 100 * u * v * problem.body.ds("right")
+    return problem
+
+
+CASES = {
+    f"{case.__name__}_P{order}": (case, order)
+    for case, orders in (
+        (edge, (1, 2, 3)),
+        (several, (1, 3)),
+        (crossing, (1, 2)),
+        (arc, (2,)),
+        (through, (1, 2)),
+        (slivers, (2,)),
+        (regions, (2,)),
+        (along_edges, (1, 2)),
+        (slip, (1, 2)),
+        (pinned, (2,)),
+    )
+    for order in orders
+}
+
+
+def facts(problem, folder):
+    """What does not depend on how unknowns are numbered; the body in its last shape is written to body.vtu."""
+    reduced = ReducedProblem(problem)
+    solution, exchange = reduced.Solve(), exchange_of(problem.V)
+    own = lambda values: values[exchange.master] if exchange.several else values
+    system, square_sum = reduced.system, lambda values: exchange.Sum(float(values @ values))
+    diagonal, F = own(exchange.Cumulated(csr_view(system.stiffness).diagonal())), own(exchange.Cumulated(reduced.case.F))
+    found = {
+        "unknowns": np.array([*solution.report.unknowns, problem.V.num_heaviside]),
+        "negligible": np.array(len(negligible_functions(system.stiffness, problem.V, problem.free))),
+        "counts": np.array(list(solution.report.Counts().values())),
+        "forms": np.array([exchange.Sum(float(diagonal.sum())), square_sum(diagonal), square_sum(F)]),
+        "EE": (system.E @ system.E.T).toarray(), "D": system.D.toarray(), "S": reduced.S, "g": reduced.case.g, "L": solution.state.L,
+        "active": np.array(solution.report.active), "energies": np.array([solution.Energy(), solution.PotentialEnergy()]),
+        "U": np.array(square_sum(own(solution.u.vec.FV().NumPy()))),
+        "force": np.array([solution.ContactForce(c) for c in range(len(problem.body.cracks))]), "gap": solution.Profile().gap,
+        "tips": np.array([tip.clearance for tip in problem.body.tips]),
+        "K": np.array([[*solution.StressIntensity(tip), *solution.StressIntensity(tip, method="modes")] for tip in range(len(problem.body.tips))]),
+        "released": np.array([solution.EnergyReleaseRate(tip).G for tip in range(len(problem.body.tips))]),
+    }  # fmt: skip
+    assert solution.SaveVTK(folder / "body") == str(folder / "body.vtu")
+    if not exchange.Max(len(problem.supports.pinned)):
+        found["reactions"] = np.array([row.force for row in solution.Reactions()])
+    return found, exchange
+
+
+def steps(problem):
+    """Load steps forth and back."""
+    load = LoadSteps(problem)
+    return {f"step {t}": load.Solve(t).state.L for t in (0.5, 1.0, 0.3)}
+
+
+def solved(name, folder):
+    """The facts of a case, the same on all processes, and whether this process writes them."""
+    case, order = CASES[name]
+    problem = case(order)
+    found, exchange = facts(problem, folder)
+    if case is slip:
+        found |= steps(problem)
+    for key, values in found.items():
+        assert all(np.array_equal(values, other) for other in exchange.Gather(values)), key
+    return found, exchange.comm is None or exchange.comm.rank == 0
+
+
+if __name__ == "__main__":
+    folder, *names = Path(sys.argv[1]), *sys.argv[2:]
+    for name in names or CASES:
+        found, is_first = solved(name, folder)
+        if is_first:
+            np.savez(folder / f"{name}.npz", **found)

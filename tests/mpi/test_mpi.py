@@ -1,0 +1,137 @@
+"""Several processes under mpirun: of n > 1 processes n - 1 hold elements. What they find is compared with what one process finds."""
+
+import ast
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+HERE = Path(__file__).parent
+missing = [name for name, found in (("mpirun", shutil.which("mpirun")), ("mpi4py", importlib.util.find_spec("mpi4py"))) if not found]
+needs_mpi = pytest.mark.skipif(bool(missing), reason=f"without {' and '.join(missing)}: apt-get install openmpi-bin; pip install mpi4py")
+
+OPEN_MPI = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_mpi_yield_when_idle": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+}  # fmt: skip
+
+
+def run(number, *arguments, seconds=120):
+    """The CompletedProcess of `mpirun -n number python arguments`; processes that wait for ever are ended after some seconds."""
+    command = ["timeout", str(seconds), "mpirun", "-n", str(number), sys.executable, "-W", "ignore", *map(str, arguments)]
+    return subprocess.run(
+        command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI
+    )  # with an input mpirun is stopped in the background
+
+
+def names_in(path):
+    """The names in CASES = [...] of a script."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return [name.id for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "CASES" for name in node.value.elts]
+
+
+@needs_mpi
+@pytest.mark.parametrize("number", [1, 3, 4])
+@pytest.mark.parametrize("name", names_in(HERE / "cases.py"))
+def test_case(name, number):
+    done = run(number, HERE / "cases.py", name)
+    assert (done.returncode, done.stdout.count("passed")) == (0, number), done.stdout + done.stderr
+
+
+@needs_mpi
+def test_an_error_of_one_process_ends_all():
+    """At once: the others would wait until the timeout, whose return code is 124."""
+    done = run(3, HERE / "cases.py", "an_error_of_one_process_ends_all", seconds=60)
+    assert done.returncode not in (0, 124) and "of one process" in done.stderr
+
+
+def solved(number, folder):
+    """{name: what this number of processes found} of the problems of solutions.py, in one run."""
+    done = run(number, HERE / "solutions.py", folder, seconds=400)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return {path.stem: np.load(path) for path in sorted(folder.glob("*.npz"))}
+
+
+EXACT = ("unknowns", "negligible", "counts", "active")
+TOLERANCES = {"forms": 1e-13, "EE": 1e-13, "D": 1e-12, "S": 1e-11, "g": 1e-11, "energies": 1e-11, "tips": 1e-14, "reactions": 1e-10}  # others: 1e-9
+
+
+def differences(one, many):
+    """What differs by more than it may; each relative to its largest value, forms and energies one by one."""
+    assert set(one) == set(many) and {"L", "K", "released", "gap", *EXACT, *TOLERANCES} - {"reactions"} <= set(one)
+    for key in one:
+        if key in EXACT:
+            same = np.array_equal(one[key], many[key])
+        elif key in ("forms", "energies"):
+            same = many[key] == pytest.approx(one[key], rel=TOLERANCES[key])
+        else:
+            same = np.abs(many[key] - one[key]).max(initial=0) <= TOLERANCES.get(key, 1e-9) * np.abs(one[key]).max(initial=0)
+        if not same:
+            yield key, one[key], many[key]
+
+
+def picture(path):
+    """(points, displacements) of a .vtu file, in an order that does not depend on that of its cells."""
+    content = path.read_bytes()
+    head, data = content.split(b"<AppendedData", 1)
+    number, data = int(re.search(rb'NumberOfPoints="(\d+)"', head)[1]), data[data.index(b"_") + 1 :]
+    of = lambda name: int(re.search(rb'Name="%s" NumberOfComponents="3"[^>]*offset="(\d+)"' % name, head)[1])
+    points, u = (np.frombuffer(data, "<f8", 3 * number, of(name) + 4).reshape(-1, 3) for name in (b"Points", b"displacement"))
+    order = np.lexsort([*np.round(u, 12).T, *np.round(points, 12).T])
+    return points[order], u[order]
+
+
+@needs_mpi
+def test_as_one_process(tmp_path):
+    """Forms, active sets, negligible functions, pressures, energies, K, reactions and pictures of 3 and 4 processes are those of one."""
+    folders = {number: tmp_path / str(number) for number in (1, 3, 4)}
+    for folder in folders.values():
+        folder.mkdir()
+    found = {number: solved(number, folder) for number, folder in folders.items()}
+    one = found[1]
+    assert len(one) > 15 and one["slivers_P2"]["negligible"] > 0
+    contact, _, right, left = one["slip_P2"]["counts"]
+    assert contact > 3 and right + left > 3
+    assert all(0 < one[name]["active"][-1].sum() for name in ("edge_P1", "several_P1", "crossing_P2", "arc_P2", "through_P2", "regions_P2"))
+    for number in (3, 4):
+        assert found[number].keys() == one.keys()
+        assert [(number, name, *what) for name in one for what in differences(one[name], found[number][name])] == []
+        (points, u), (points_too, u_too) = picture(folders[1] / "body.vtu"), picture(folders[number] / "body.vtu")
+        assert points_too == pytest.approx(points, abs=1e-14) and u_too == pytest.approx(u, abs=1e-9 * np.abs(u).max())
+
+
+SERIAL = """
+from netgen.geom2d import unit_square
+from ngsolve import Mesh
+from ngsxfem_contact import Crack, CrackedMesh
+CrackedMesh(Mesh(unit_square.GenerateMesh(maxh=0.3)), Crack([(0.3, 0.5), (0.7, 0.5)]))
+print("made")
+"""
+
+
+@pytest.mark.skipif(not shutil.which("mpirun"), reason="without mpirun: apt-get install openmpi-bin")
+@pytest.mark.parametrize("number", [1, 3])
+def test_a_script_that_shares_no_mesh_is_refused(number):
+    """Also one that imports neither MPI nor mpi4py: it would solve everything three times."""
+    done = run(number, "-c", SERIAL)
+    if number == 1:
+        assert done.returncode == 0 and done.stdout.split() == ["made"]
+    else:
+        assert done.returncode != 0 and "made" not in done.stdout
+        assert "one of 3 processes" in done.stderr and "DistributedMesh" in done.stderr
+
+
+def test_one_process_needs_no_mpi():
+    """Nothing of it is imported, and DistributedMesh is Mesh(make())."""
+    script = SERIAL + (
+        "from ngsxfem_contact.processes import DistributedMesh\nimport sys\n"
+        "assert DistributedMesh(lambda: unit_square.GenerateMesh(maxh=0.3)).nv == Mesh(unit_square.GenerateMesh(maxh=0.3)).nv\n"
+        "assert not {'mpi4py', 'petsc4py', 'ngspetsc'} & {name.partition('.')[0] for name in sys.modules}\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
