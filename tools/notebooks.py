@@ -1,6 +1,6 @@
 """Executes the tutorials to notebooks: python tools/notebooks.py [folder], by default docs/tutorials.
 
-A notebook whose script did not change since is kept. A cell that fails ends the run.
+A notebook whose script did not change since is kept. A cell that fails, or writes to stderr, ends the run.
 """
 
 import os
@@ -20,6 +20,9 @@ def execute(script, target):
     notebook = jupytext.read(script)
     notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
     NotebookClient(notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(target.parent)}}).execute()
+    said = [output.text for cell in notebook.cells for output in cell.get("outputs", []) if output.get("name") == "stderr"]
+    if said:
+        sys.exit(f"{script.name} writes to stderr, which its page would show: {''.join(said)}")
     nbformat.write(notebook, target)
 
 

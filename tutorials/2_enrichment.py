@@ -11,11 +11,14 @@
 # each of them.
 
 # %%
+import warnings
+
 import matplotlib.pyplot as plt
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from ngsolve import *
 from ngsxfem_contact import *
+from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.geometry import ElementKind
 from ngsxfem_contact.plotting import plot_mesh
 from ngsxfem_contact.plotting.split_mesh import SplitMesh
@@ -121,6 +124,7 @@ plt.show()
 # a tolerance of 10⁻² keep the picture readable; the default is 10⁻⁵.)
 
 # %%
+warnings.simplefilter("ignore", AccuracyWarning)  # a disk this small is for the picture
 sketch = CrackedMesh(mesh, body.cracks[0])
 small_disk = CrackFESpace(sketch, order=1, tip=TipEnrichment(r0=0.03, r1=0.1, material=material, tolerance=1e-2))
 *_, X, Y = sketch.dx.Points(2, space=small_disk)
