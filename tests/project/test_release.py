@@ -54,6 +54,8 @@ def test_nothing_is_written_half(copy):
 def test_the_readme_of_an_index():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     relative = re.compile(r"\]\((?!https?:|#)")
+    if not relative.search(readme):
+        pytest.skip("this is an sdist, whose README is that of an index already")
     assert len(relative.findall(readme)) > 8
     alone, linked = TOOL["index_readme"](readme), TOOL["index_readme"](readme, "https://example.org/us/it/")
     for text in (alone, linked):
