@@ -12,8 +12,16 @@ extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["tutorials/.ipynb_checkpoints"]
 html_theme = "furo"
 html_title = project
-(mathjax,) = (str(file.locate()) for file in files("django-static-mathjax") if file.match("es5/tex-svg-full.js"))  # MathJax as a file: pages need no network
-html_static_path = ["static", mathjax]
+
+
+def installed(package, pattern):
+    """The path of a file that a package brings."""
+    (path,) = (str(file.locate()) for file in files(package) if file.match(pattern))
+    return path
+
+
+# Pages need no network: MathJax, and what draws the scenes of the tutorials.
+html_static_path = ["static", installed("django-static-mathjax", "es5/tex-svg-full.js"), installed("webgui_jupyter_widgets", "nbextension/webgui.js")]
 mathjax_path = "tex-svg-full.js"
 html_css_files = ["wide.css"]
 

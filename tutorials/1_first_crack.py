@@ -64,7 +64,7 @@ print(solution.report)
 # In a notebook `solution.Draw()` shows the deformed body in the browser: turn and zoom it. The crack is open and sharp,
 # because the picture is drawn on a mesh whose triangles end at the crack.
 
-# %% tags=["remove-output"]
+# %%
 solution.Draw()
 
 # %% [markdown]

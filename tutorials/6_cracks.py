@@ -92,6 +92,12 @@ plot_body(solution, scale=5)
 plt.show()
 
 # %% [markdown]
+# The same to turn and zoom:
+
+# %%
+solution.Draw(scale=5)
+
+# %% [markdown]
 # Each crack has its own profile, contact force and transitions. A crack is called by its number, in the order of `CrackedMesh`, or by its name, if it was given one: `Crack(points, name="fault")`.
 
 # %%

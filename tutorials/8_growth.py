@@ -178,6 +178,9 @@ for ax, (name, run) in zip(axes, runs.items()):
 plt.show()
 
 # %%
+run.solutions[-1].Draw()  # the wings, to zoom
+
+# %%
 table = runs["compression, wings"].table
 first = table[table["end"] == "end"]
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
