@@ -21,6 +21,7 @@ from .spaces import CrackFESpace, TipEnrichment, TraceSpace
 from . import plotting  # noqa: F401
 from .fracture import CrackGrowth, GivenIncrement, Paris
 from . import loads  # noqa: F401
+from . import estimate  # noqa: F401
 from .contact import BarbosaHughes, ContactProblem, ContactSolution, Coulomb, LoadCase, LoadSteps, Nitsche, Tresca
 from . import exact  # noqa: F401
 from . import job  # noqa: F401
@@ -38,7 +39,7 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """A public name of a sub-package or module: `from ngsxfem_contact import WingCracks` works, too."""
-    for part in ("processes", "geometry", "errors", "operators", "tables", "algebra", "spaces", "plotting", "fracture", "loads", "contact"):
+    for part in ("processes", "geometry", "errors", "operators", "tables", "algebra", "spaces", "plotting", "fracture", "loads", "estimate", "contact"):
         if name in globals()[part].__all__:
             return getattr(globals()[part], name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

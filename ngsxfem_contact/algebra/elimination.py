@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from scipy.sparse import csc_matrix, csr_matrix
 
+FEW = 8  # unknowns of a border whose columns are kept, so that each further solve is one back-substitution
 PARDISO_PAYS = 30_000  # unknowns; below, NGSolve's sparse Cholesky is as fast or faster (docs/measured.md)
 
 
@@ -196,7 +198,18 @@ class Elimination:
 
     def Solve(self, rhs: np.ndarray) -> np.ndarray:
         """A⁻¹ rhs; zero on fixed unknowns."""
-        return self.Recover(self.Reduce(rhs))
+        x = self.factors.Solve(rhs)
+        if not len(self.border):
+            return x
+        at_border = self._at_border(rhs[self.border] - self.border_rows @ x)
+        x -= self._border_columns @ at_border if len(self.border) <= FEW else self.factors.Solve(self.border_rows.T @ at_border)
+        x[self.border] = at_border
+        return x
+
+    @cached_property
+    def _border_columns(self) -> np.ndarray:
+        """(ndof, t): A⁻¹ of the columns of the border."""
+        return np.array([self.factors.Solve(row.toarray().ravel()) for row in self.border_rows]).T
 
     def SolveRefined(self, rhs: np.ndarray) -> np.ndarray:
         """The same with one step of iterative refinement."""

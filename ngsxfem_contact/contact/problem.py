@@ -343,4 +343,14 @@ class ContactProblem(Described):
         As everywhere in NGSolve, more than one thread is used inside `with TaskManager():`.
         """
         options = StepOptions(cone, start, max_iterations, previous)
-        return ReducedProblem(self, inverse).Solve(options)
+        return self.Reduced(inverse).Solve(options)
+
+    def Reduced(self, inverse: str | None = None) -> ReducedProblem:
+        """The problem with its displacements eliminated, a ReducedProblem.
+
+        Parameters
+        ----------
+        inverse
+            As for Solve.
+        """
+        return ReducedProblem(self, inverse)

@@ -17,6 +17,7 @@ from ..spaces.incompressible import stress, stress_power
 from .at_tips import AtTips
 from .descriptions import of_solution
 from .mixed_system import LocalPressures
+from .of_errors import OfErrors
 from .profile import CrackProfile, State, changes, profile
 
 if TYPE_CHECKING:
@@ -34,9 +35,10 @@ if TYPE_CHECKING:
     from .mixed_system import PressureField
     from .problem import ContactProblem
     from .report import Report
+    from .solver import ReducedProblem
 
 
-class ContactSolution(Described, AtTips):
+class ContactSolution(Described, AtTips, OfErrors):
     """What a solve found: displacement, pressure, and what can be read from them.
 
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
@@ -57,6 +59,8 @@ class ContactSolution(Described, AtTips):
         For the next load step.
     case
         The load of this step, a SolvedCase: F, and the terms it comes from.
+    reduced
+        The ReducedProblem that was solved, whose factors serve estimates of errors; a file does not hold it.
 
     Attributes
     ----------
@@ -86,16 +90,17 @@ class ContactSolution(Described, AtTips):
         gamma: CoefficientFunction,
         state: State,
         case: SolvedCase,
+        reduced: ReducedProblem | None = None,
     ) -> None:
         self.problem, self._recover, self.report, self.gamma, self.state = problem, recover, report, gamma, state
         self.a = problem.a.Copy()
-        self.case = case
+        self.case, self._reduced = case, reduced
         self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
 
     def __getstate__(self) -> dict[str, Any]:
         """What pickle saves: all but what follows from it, with the displacement, which is recovered and checked now."""
         self.u
-        return {name: value for name, value in vars(self).items() if name != "_pressure"}
+        return {name: value for name, value in vars(self).items() if name != "_pressure"} | {"_reduced": None}
 
     def Description(self) -> Lines:
         """What was solved, and what was found; what has not been recovered yet is not asked for."""

@@ -156,7 +156,7 @@ class ReducedProblem:
         recover, state = lambda: self._recover(found, report), self._state(found)
         report.work = state.work
         return ContactSolution(
-            problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, SolvedCase(problem.V, case.F, case.load)
+            problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, SolvedCase(problem.V, case.F, case.load), self
         )
 
     def _nodal_solution(self, options: StepOptions, case: ReducedCase, cone: Cone, report: Report) -> NodalSolution:

@@ -194,6 +194,7 @@ class CrackGrowth:
         rows += [self._start(solution, new) for new in starting]
         for row in rows:
             row.cycles = cycles
+        solution.ReleaseFactors()  # there may be many states
         self.solutions.append(solution)
         return rows
 

@@ -63,6 +63,8 @@ class Supports:
         (region, component) → HeldSide.
     pins
         Unknown → (vertex, component, value).
+    functions
+        What SetDirichlet was given, (value, region) in its order; a file does not hold it.
     """
 
     def __init__(self, V: CrackFESpace) -> None:
@@ -75,6 +77,7 @@ class Supports:
             if V.HeldRegions(k)[region]
         }
         self.sides, self.pins = dict(self._declared), {}
+        self.functions: list[tuple[Any, str]] = []
 
     def __reduce__(self) -> Any:
         numbers = numbers_of(self.V, *(side.dofs for side in self.sides.values()))
@@ -94,11 +97,15 @@ class Supports:
         self.V.share.Together(lambda: self._pin(point, vertex, components, value) if vertex >= 0 else None)
 
     def _pin(self, point: Sequence[float], vertex: int, components: str, value: Any) -> None:
-        dofs = self.V.GetDofNrs(NodeId(VERTEX, vertex))
-        if len(dofs) > 2:
+        if len(self.V.GetDofNrs(NodeId(VERTEX, vertex))) > 2:
             raise ValueError(f"Pin: u may jump at the vertex {tuple(point)}, beside the crack; pin a vertex away from it")
         check_outside_of_disks(self.V, self.V.mesh[NodeId(VERTEX, vertex)].point)
-        pins = {dofs[k]: (vertex, k, float(number)) for k, number in zip(COMPONENTS[components], pin_values(value, components))}
+        self.PinVertex(vertex, dict(zip(COMPONENTS[components], pin_values(value, components))))
+
+    def PinVertex(self, vertex: int, values: dict[int, float]) -> None:
+        """Fixes components of u at a vertex, given by its number, at which u does not jump."""
+        dofs = self.V.GetDofNrs(NodeId(VERTEX, vertex))
+        pins = {dofs[k]: (vertex, k, float(number)) for k, number in values.items()}
         for dof, pin in pins.items():
             if dof in self.pins and self.pins[dof][2] != pin[2]:
                 raise ValueError(f"Pin: u_{'xy'[pin[1]]} is given twice at {place(self.V, vertex)}: {self.pins[dof][2]:g}, and now {pin[2]:g}; pin it once")
@@ -122,6 +129,7 @@ class Supports:
         """See ContactProblem.SetDirichlet."""
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
+        function = value, region
         value, components = given_components(value)
         regions = np.flatnonzero(list(self.V.mesh.Boundaries(region).Mask())).tolist()
         self._check_declared(region, regions, components)
@@ -136,6 +144,7 @@ class Supports:
         self._check_pins(self.pins, sides)
         kept = {key: side for key, side in self.sides.items() if key[0] not in regions}
         self.sides = kept | sides  # where regions meet the last one counts
+        self.functions = [given for given in self.functions if given[1] != region] + [function]
         self._apply()
 
     def _check_declared(self, region: str, regions: list[int], components: Any) -> None:
