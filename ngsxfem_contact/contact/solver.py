@@ -28,6 +28,7 @@ from .nodal_law import gives_way
 from .options import StepOptions
 from .profile import State
 from .report import Report, stage
+from .solids import check_size
 from .solution import ContactSolution
 from .stabilisation import local_moduli
 
@@ -74,6 +75,7 @@ class ReducedProblem:
         self.timings: dict[str, float] = {}
         self.transformed: dict[Cone, tuple[Matrix, Balance]] = {}
         size = f"{problem.V.ndof} displacement unknowns"
+        check_size(problem.V, problem.W)
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             self.motions = PinnedMotions(problem)
             problem.supports.Check()
