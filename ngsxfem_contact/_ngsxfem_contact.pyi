@@ -33,6 +33,7 @@ __all__: list[str] = [
     "FormTerm",
     "Front",
     "FrontDemand",
+    "FrontSpec",
     "FunctionOf",
     "GridFunctionOf",
     "InnerIntegrals",
@@ -51,6 +52,7 @@ __all__: list[str] = [
     "Sheet",
     "SheetCell",
     "Side",
+    "SolidFESpace",
     "StressPower",
     "TermsOf",
     "Tip",
@@ -62,9 +64,9 @@ __all__: list[str] = [
 ]
 
 class FrontDemand:
-    """What functions that are singular at the fronts of a solid ask of the rules of a measure: `body.dx(fronts=FrontDemand(radius))`."""
+    """What functions that are singular at the fronts of a solid ask of the rules of a measure: `body.dx(fronts=FrontDemand())`."""
 
-    def __init__(self, radius: float, along: int = 3, angular: int = 4, radial: int = 4, order: int = 5, beta: float = 0.35) -> None: ...
+    def __init__(self, radius: float = 0.0, along: int = 3, angular: int = 4, radial: int = 4, order: int = 5, beta: float = 0.35) -> None: ...
     @property
     def along(self) -> int:
         """Gauss points in s."""
@@ -87,7 +89,7 @@ class FrontDemand:
 
     @property
     def radius(self) -> float:
-        """Elements that come nearer to a front get rules of their own."""
+        """Elements that come nearer to a front get rules of their own, beside those around it."""
 
 class CutDifferentialSymbol(ngsolve.comp.DifferentialSymbol):
     """A measure of a CrackedMesh: as dx and ds of NGSolve, with rules that respect the cracks. For linear and bilinear forms, and Integrate(f * body.dx, body.mesh)."""
@@ -538,6 +540,10 @@ class Sheet:
         """The curves in the plane, with the sheet to their right: the outer one, then those of holes."""
 
     @property
+    def name(self) -> str:
+        """Empty: sheets have numbers only."""
+
+    @property
     def normal(self) -> tuple[float, float, float]:
         """The unit normal n, from the minus to the plus side."""
 
@@ -593,6 +599,10 @@ class SheetCell:
     @property
     def element(self) -> int:
         """The number of the element in the mesh."""
+
+    @property
+    def h(self) -> float:
+        """The longest edge of the element."""
 
     @property
     def heights(self) -> typing.Annotated[list[float], "FixedSize(4)"]:
@@ -684,6 +694,14 @@ class CrackedSolid:
     def normal(self) -> ngsolve.fem.CoefficientFunction:
         """The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack."""
 
+    @property
+    def notes(self) -> list[str]:
+        """Sentences on what was moved: none, sheets stay where they are."""
+
+    @property
+    def tips(self) -> list[tuple[numpy.ndarray, numpy.ndarray]]:
+        """None: a body in space has fronts."""
+
 class CutOff(_Enumeration):
     """The cut-off χ of the tip functions: cubic is C¹, quintic C²."""
 
@@ -731,22 +749,22 @@ class CrackFESpace(ngsolve.comp.FESpace):
     same for y, the tips."""
 
     def BoundaryDofs(self) -> list[tuple[numpy.ndarray, numpy.ndarray]]:
-        """For each boundary region two arrays: the unknowns of either component with a trace on it."""
+        """For each boundary region one array for each component: its unknowns with a trace on the region."""
 
     def Heaviside(self, j: int) -> tuple[int, int]:
         """(i, s_i): the number of the j-th enriched function φ_i, and the side on which its copy sees the largest part of the support."""
 
     def HeavisideCrack(self, j: int) -> int:
-        """The number of the crack at which it jumps, of the longest one of several."""
+        """The number of the crack at which it jumps, of the largest one of several."""
 
     def HeavisideDof(self, j: int, component: int) -> int:
-        """The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y)."""
+        """The number of the unknown of the j-th Heaviside function, component 0 (x), 1 (y), ..."""
 
     def HeavisideFactors(self, j: int, element: int) -> list[int]:
         """By how much φ_i is multiplied in the j-th Heaviside function, ±1 or 0, on each part of an element. Raises an Exception outside of the support."""
 
     def HeldRegions(self, component: int) -> pyngcore.pyngcore.BitArray:
-        """The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed."""
+        """The boundary regions (BitArray) on which component 0 (x), 1 (y), ... is fixed."""
 
     def SetTipMaterial(self, tip: int, kappa: float, mu: float) -> None:
         """Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are."""
@@ -865,6 +883,75 @@ class MeshTraceBasis(TraceBasis):
     def __init__(
         self, body: CrackedMesh, order: int, division: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
+
+class FrontSpec:
+    """What a space of a solid needs to know of its fronts; FrontEnrichment makes it."""
+
+    def __init__(self, materials: collections.abc.Sequence[tuple[float, float]], rules: FrontDemand) -> None: ...
+    @property
+    def materials(self) -> list[tuple[float, float]]:
+        """(kappa, mu) of the modes of each of body.fronts."""
+
+    @property
+    def rules(self) -> FrontDemand:
+        """The FrontDemand; nodes nearer to a front than its radius have modes, too."""
+
+class SolidFESpace(ngsolve.comp.FESpace):
+    """The enriched space of a body in space; ngsxfem_contact.CrackFESpace builds it. Unknowns in this order: φ_i for x, for y, for z, ½(H - s_i) φ_i for x, for y,
+    for z, and for each node with modes those of K_I, K_II, K_III."""
+
+    def BoundaryDofs(self) -> list[tuple[numpy.ndarray, numpy.ndarray]]:
+        """For each boundary region one array for each component: its unknowns with a trace on the region."""
+
+    def FrontDof(self, j: int, mode: int) -> int:
+        """The number of the unknown of the j-th node with modes, mode 0 (I), 1 (II) or 2 (III)."""
+
+    def Heaviside(self, j: int) -> tuple[int, int]:
+        """(i, s_i): the number of the j-th enriched function φ_i, and the side on which its copy sees the largest part of the support."""
+
+    def HeavisideCrack(self, j: int) -> int:
+        """The number of the crack at which it jumps, of the largest one of several."""
+
+    def HeavisideDof(self, j: int, component: int) -> int:
+        """The number of the unknown of the j-th Heaviside function, component 0 (x), 1 (y), ..."""
+
+    def HeavisideFactors(self, j: int, element: int) -> list[int]:
+        """By how much φ_i is multiplied in the j-th Heaviside function, ±1 or 0, on each part of an element. Raises an Exception outside of the support."""
+
+    def HeldRegions(self, component: int) -> pyngcore.pyngcore.BitArray:
+        """The boundary regions (BitArray) on which component 0 (x), 1 (y), ... is fixed."""
+
+    def SetFrontMaterial(self, front: int, kappa: float, mu: float) -> None:
+        """Gives the modes of a front the kappa and mu of another material: unknowns and rules stay what they are."""
+
+    def __init__(self, body: CrackedSolid, fronts: FrontSpec | None, **flags: typing.Any) -> None: ...
+    @property
+    def body(self) -> CrackedSolid:
+        """The CrackedSolid."""
+
+    @property
+    def front_nodes(self) -> list[tuple[int, int]]:
+        """(vertex, front) for each node with modes."""
+
+    @property
+    def front_spec(self) -> FrontSpec | None:
+        """The FrontSpec, or None where there are no modes."""
+
+    @property
+    def num_heaviside(self) -> int:
+        """The number of Heaviside functions of one component."""
+
+    @property
+    def num_left_out(self) -> int:
+        """The number of nodes around fronts without modes: beside corners, where two fronts are near, and where some components of u are held and others are not."""
+
+    @property
+    def order(self) -> int:
+        """The order k of the functions φ_i."""
+
+    @property
+    def scalar_space(self) -> ngsolve.comp.FESpace:
+        """The scalar space of the functions φ_i."""
 
 class Domain(_Enumeration):
     """What a measure integrates over: the Bulk of the body or its boundary, the Larger parts of cut elements, or the Crack."""
@@ -987,10 +1074,17 @@ def SchurComplement(
 ) -> numpy.typing.NDArray[numpy.float64]:
     """K inv(A) K^T, dense, from sparsecholesky factors of A and K in CSC format."""
 
+@typing.overload
 def StressPower(
     space: CrackFESpace, lam: ngsolve.fem.CoefficientFunction, mu: ngsolve.fem.CoefficientFunction, measure: CutDifferentialSymbol
 ) -> ngsolve.fem.BFI:
     """∫ σ(u):ε(v) for a bilinear form on a CrackFESpace, σ = lam tr(ε) I + 2 mu ε: an integrator for form += ..., the same as the symbolic form, assembled faster."""
+
+@typing.overload
+def StressPower(
+    space: SolidFESpace, lam: ngsolve.fem.CoefficientFunction, mu: ngsolve.fem.CoefficientFunction, measure: CutDifferentialSymbol
+) -> ngsolve.fem.BFI:
+    """The same in space."""
 
 def TermsOf(form: ngsolve.comp.SumOfIntegrals) -> list[FormTerm]:
     """The FormTerms of a form, one for each integral."""

@@ -1,10 +1,10 @@
-"""Isotropic linear elasticity in the plane: (1) of [AHLMR12]."""
+"""Isotropic linear elasticity, in the plane (1) of [AHLMR12], and in space."""
 
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from ngsolve import VOL, CoefficientFunction, ElementId, Id, IfPos, InnerProduct, Mesh, Trace, sqrt
 
@@ -22,8 +22,19 @@ def check_engineering_constants(E: float, nu: float, limit: float, name: str) ->
     check_number(nu, f"{name}: nu", lambda nu: -1 < nu < limit, f"lie between -1 and {limit} (Poisson's ratio)")
 
 
+def check_form(material: "Isotropic", body: Any, name: str) -> None:
+    """Raises ValueError for a material of the plane in a body in space, and for one of space in the plane."""
+    dimension = body.mesh.dim
+    for region in material.regions:
+        if region.dimension != dimension:
+            remedy = "Elasticity.PlaneStrain(E, nu) or PlaneStress(E, nu)" if dimension == 2 else "Elasticity.Solid(E, nu)"
+            raise ValueError(
+                f"{name}={region} is a material of {'the plane' if dimension == 3 else 'space'}, and the mesh has dimension {dimension}; take {remedy}"
+            )
+
+
 NEARLY_INCOMPRESSIBLE = 9  # λ_L/μ_L
-FORMS = ("plane strain", "plane stress")
+FORMS = ("plane strain", "plane stress", "solid")
 
 
 Coefficient: TypeAlias = float | CoefficientFunction  # a number, or a function of the place
@@ -68,6 +79,11 @@ class Isotropic(ABC):
         """The Elasticity at a point of the mesh."""
 
     @property
+    def dimension(self) -> int:
+        """Of the body that it is a material of: 2 or 3."""
+        return 3 if self.regions[0].form == "solid" else 2
+
+    @property
     def E(self) -> Coefficient:
         """Young's modulus."""
         return 2 * self.mu * (1 + self.nu)
@@ -97,14 +113,14 @@ class Isotropic(ABC):
         return (1 - free) * self.lam + 2 * self.mu
 
     def Stress(self, strain: CoefficientFunction, dilatation: Coefficient | None = None) -> CoefficientFunction:
-        """The 2 × 2 stress of a 2 × 2 strain, both CoefficientFunctions, in the unit of lam and mu: (1) of [AHLMR12].
+        """The stress of a strain, both 2 × 2 (in space 3 × 3) CoefficientFunctions, in the unit of lam and mu: (1) of [AHLMR12].
 
         Parameters
         ----------
         dilatation
             What takes the place of the strain's trace where the material is nearly incompressible, see `spaces.incompressible`.
         """
-        return self.lam * (Trace(strain) if dilatation is None else dilatation) * Id(2) + 2 * self.mu * strain
+        return self.lam * (Trace(strain) if dilatation is None else dilatation) * Id(strain.dims[0]) + 2 * self.mu * strain
 
     def StressPower(
         self,
@@ -131,11 +147,14 @@ class Isotropic(ABC):
         return (stress - self.lam / (2 * (self.lam + self.mu)) * Trace(stress) * Id(2)) / (2 * self.mu)
 
     def ThermalStress(self, temperature: Coefficient) -> CoefficientFunction:
-        """The stress of a body that is heated by ΔT and held: -E α ΔT / (1 - 2ν) I in plane strain, -E α ΔT / (1 - ν) I in plane stress."""
-        return -2 * (self.lam + self.mu) * (1 + self.confined * self.nu) * self.alpha * temperature * Id(2)
+        """The stress of a body that is heated by ΔT and held: -E α ΔT / (1 - 2ν) I in plane strain and in space, -E α ΔT / (1 - ν) I in plane stress."""
+        return -2 * (self.lam + self.mu) * (1 + self.confined * self.nu) * self.alpha * temperature * Id(self.dimension)
 
     def VonMises(self, stress: CoefficientFunction, temperature: Coefficient = 0) -> CoefficientFunction:
-        """The von Mises stress of a 2 × 2 stress, with σ_zz = 0 in plane stress and ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
+        """The von Mises stress of a stress; of a 2 × 2 one with σ_zz = 0 in plane stress and ν (σ_xx + σ_yy) - E α ΔT in plane strain."""
+        if stress.dims[0] == 3:
+            deviator = stress - Trace(stress) / 3 * Id(3)
+            return sqrt(1.5 * InnerProduct(deviator, deviator))
         xx, yy, xy = stress[0, 0], stress[1, 1], stress[0, 1]
         zz = self.confined * (self.nu * (xx + yy) - self.E * self.alpha * temperature)
         return sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * xy**2)
@@ -148,9 +167,9 @@ class Elasticity(Isotropic):
     Parameters
     ----------
     lam, mu
-        The coefficients λ_L, μ_L of this law in the plane: Lamé's in plane strain; for plane stress use PlaneStress.
+        The coefficients λ_L, μ_L of this law in the plane: Lamé's in plane strain and in space; for plane stress use PlaneStress.
     form
-        "plane strain" (ε_zz = 0, default) or "plane stress" (σ_zz = 0): what E, ν and σ_zz follow from.
+        "plane strain" (ε_zz = 0, default) or "plane stress" (σ_zz = 0), what E, ν and σ_zz follow from, or "solid", of bodies in space.
     alpha
         Coefficient of thermal expansion, for ContactProblem(..., temperature=ΔT).
 
@@ -204,7 +223,7 @@ class Elasticity(Isotropic):
             )
         if self.form not in FORMS:
             raise ValueError(f"Elasticity: form={self.form!r} is not one of {list(FORMS)}")
-        is_strain = self.form == "plane strain"
+        is_strain = self.form != "plane stress"
         object.__setattr__(self, "nu", self.lam / (2 * (self.lam + self.mu)) if is_strain else self.lam / (self.lam + 2 * self.mu))
         object.__setattr__(self, "confined", float(is_strain))
         object.__setattr__(self, "nearly_incompressible", self.lam > NEARLY_INCOMPRESSIBLE * self.mu)
@@ -243,6 +262,23 @@ class Elasticity(Isotropic):
         """
         check_engineering_constants(E, nu, 1, "Elasticity.PlaneStress")
         return Elasticity(E * nu / (1 - nu**2), E / (2 * (1 + nu)), "plane stress", alpha)
+
+    @staticmethod
+    def Solid(E: float, nu: float, alpha: float = 0.0) -> "Elasticity":
+        """The material of a body in space: lam = E nu / ((1 + nu)(1 - 2 nu)), mu = E / (2 (1 + nu)).
+
+        Parameters
+        ----------
+        nu
+            Poisson's ratio, -1 < nu < 1/2.
+
+        Raises
+        ------
+        ValueError
+            Outside of these.
+        """
+        check_engineering_constants(E, nu, 0.5, "Elasticity.Solid")
+        return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)), "solid", alpha)
 
     @staticmethod
     def ByRegion(mesh: Mesh, materials: "dict[str, Elasticity]") -> "RegionElasticity":

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import VOL, ElementId
+from ngsolve import BND, VOL, ElementId
+
+from ._ngsxfem_contact import CrackedSolid
 
 if TYPE_CHECKING:
     from ngsolve import Mesh
@@ -23,7 +26,7 @@ def distance_to_segments(a: np.ndarray, b: np.ndarray, point: np.ndarray) -> flo
 
 def place(point: tuple[float, float]) -> str:
     """A point in a message."""
-    return f"({point[0]:.4g}, {point[1]:.4g})"
+    return f"({', '.join(f'{coordinate:.4g}' for coordinate in point)})"
 
 
 def crack_points(body: CrackedMesh, crack: int, arclengths: list[float] | np.ndarray) -> np.ndarray:
@@ -31,12 +34,50 @@ def crack_points(body: CrackedMesh, crack: int, arclengths: list[float] | np.nda
     return mesh_points(body.mesh, *body.OnCrack(crack, list(arclengths)))
 
 
-def mesh_points(mesh: Mesh, elements: np.ndarray, xi: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """NGSolve's mesh points at reference coordinates in elements, (n,) each."""
+def mesh_points(mesh: Mesh, elements: np.ndarray, *reference: np.ndarray) -> np.ndarray:
+    """NGSolve's mesh points at reference coordinates xi, eta (in space also zeta) in elements, (n,) each."""
     inside = np.mean([mesh[v].point for v in mesh[ElementId(VOL, 0)].vertices], axis=0)
     points = np.repeat(mesh(*inside[:, None]), len(elements))
-    points["nr"], points["x"], points["y"] = elements, xi, eta
+    points["nr"] = elements
+    for name, values in zip("xyz", reference):
+        points[name] = values
     return points
+
+
+def boundary_points(mesh: Mesh, elements: np.ndarray, *reference: np.ndarray) -> np.ndarray:
+    """NGSolve's mesh points at reference coordinates in elements of the boundary, (n,) each; what is left out is 0."""
+    points = mesh_points(mesh, elements, *reference, *[np.zeros(len(elements))] * (3 - len(reference)))
+    points["VorB"] = int(BND)
+    return points
+
+
+@singledispatch
+def points_of_crack(body: Any, crack: int, number: int) -> np.ndarray:
+    """NGSolve's mesh points at some points of a crack."""
+    return crack_points(body, crack, (np.arange(number) + 0.37) / number * body.cracks[crack].length)
+
+
+@points_of_crack.register(CrackedSolid)
+def points_of_sheet(body: CrackedSolid, crack: int, number: int) -> np.ndarray:
+    """The same of a sheet: of the rule of order 1."""
+    element, xi, eta, zeta, *_ = body.dcrack(crack=crack).Points(1)
+    chosen = np.unique(np.linspace(0, len(element) - 1, number).astype(int))
+    return mesh_points(body.mesh, element[chosen], xi[chosen], eta[chosen], zeta[chosen])
+
+
+def netgen_elements(mesh: Mesh) -> np.ndarray:
+    """Netgen's records of the triangles, or tetrahedra, of a mesh, in its numbering."""
+    return (mesh.ngmesh.Elements2D() if mesh.dim == 2 else mesh.ngmesh.Elements3D()).NumPy()
+
+
+def element_vertices(mesh: Mesh) -> np.ndarray:
+    """(n, dimension + 1): numbers of the corners of the elements."""
+    return netgen_elements(mesh)["nodes"][:, : mesh.dim + 1].astype(int) - 1
+
+
+def element_regions(mesh: Mesh) -> np.ndarray:
+    """(n,): numbers of the regions of the elements, counted from 0."""
+    return netgen_elements(mesh)["index"].astype(int) - 1
 
 
 def mesh_arrays(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -171,10 +171,12 @@ def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
     return CrackedSolid(mesh, list(cracks))
 
 
-def check_plane_body(body: Any, name: str) -> None:
-    """Raises TypeError for what is no CrackedMesh, and for one in space, on which there are no spaces yet."""
+def check_plane(body: Any, what: str, error: type[Exception] = ValueError) -> None:
+    """Raises for what there is for plane bodies only, asked of one in space."""
     if isinstance(body, CrackedSolid):
-        raise TypeError(
-            f"{name} is a body in space; so far its sheets are cut and integrated over (dx, ds, dcrack), spaces and problems are there for plane bodies only"
-        )
+        raise error(f"{what}: this is there for plane bodies only, and the body has three dimensions")
+
+
+def check_plane_body(body: Any, name: str) -> None:
+    """Raises TypeError for what is no CrackedMesh."""
     check_type(body, CrackedMesh, name, "a CrackedMesh; build one by CrackedMesh(mesh, crack, ...)")

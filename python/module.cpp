@@ -10,6 +10,7 @@ void ExportGeometry (py::module & m);
 void ExportSheets (py::module & m);
 void ExportFrontDemand (py::module & m);
 void ExportSpaces (py::module & m);
+void ExportSolidSpaces (py::module & m);
 void ExportMeasures (py::module & m);
 void ExportFormTerms (py::module & m);
 void ExportSolver (py::module & m);
@@ -22,6 +23,7 @@ PYBIND11_MODULE(_ngsxfem_contact, m)
   ExportGeometry(m);
   ExportSheets(m);
   ExportSpaces(m);
+  ExportSolidSpaces(m);
   ExportFormTerms(m);
   ExportSolver(m);
 }

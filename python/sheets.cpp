@@ -22,21 +22,23 @@ static Sheet MakeSheet (const std::vector<Crack> & loops, Triple origin, std::ar
 
 void ExportFrontDemand (py::module & m)
 {
-  FrontDemand usual { 0 };
+  FrontDemand usual;
   py::class_<FrontDemand>(m, "FrontDemand",
-      "What functions that are singular at the fronts of a solid ask of the rules of a measure: `body.dx(fronts=FrontDemand(radius))`.\n\nParameters\n----------\n"
-      "radius\n    Elements that come nearer to a front get rules of their own.\nalong, angular, radial\n"
+      "What functions that are singular at the fronts of a solid ask of the rules of a measure: `body.dx(fronts=FrontDemand())`.\n\nParameters\n----------\n"
+      "radius\n    Elements that come nearer to a front get rules of their own, beside those that share a vertex with an element that a front is in.\nalong, angular, radial\n"
       "    Gauss points in s, in θ, in √r, in elements that a front is in, for each interval on which their slices normal to the front are smooth.\norder\n"
       "    Of Gauss beside the front, in parts of an element.\nbeta\n    These parts keep the multiple beta of their size from the front.")
     .def(py::init([] (double radius, int along, int angular, int radial, int order, double beta)
          { return FrontDemand { radius, along, angular, radial, order, beta }; }),
-         py::arg("radius"), py::arg("along") = usual.along, py::arg("angular") = usual.angular, py::arg("radial") = usual.radial, py::arg("order") = usual.order, py::arg("beta") = usual.beta)
-    .def_readonly("radius", &FrontDemand::radius, "Elements that come nearer to a front get rules of their own.")
+         py::arg("radius") = usual.radius, py::arg("along") = usual.along, py::arg("angular") = usual.angular, py::arg("radial") = usual.radial, py::arg("order") = usual.order, py::arg("beta") = usual.beta)
+    .def_readonly("radius", &FrontDemand::radius, "Elements that come nearer to a front get rules of their own, beside those around it.")
     .def_readonly("along", &FrontDemand::along, "Gauss points in s.")
     .def_readonly("angular", &FrontDemand::angular, "Gauss points in the angle.")
     .def_readonly("radial", &FrontDemand::radial, "Gauss points in √r.")
     .def_readonly("order", &FrontDemand::order, "The order of Gauss beside the front.")
-    .def_readonly("beta", &FrontDemand::beta, "The least distance of a part from the front, relative to its size.");
+    .def_readonly("beta", &FrontDemand::beta, "The least distance of a part from the front, relative to its size.")
+    .def(py::pickle([] (const FrontDemand & d) { return py::make_tuple(d.radius, d.along, d.angular, d.radial, d.order, d.beta); },
+                    [] (py::tuple t) { return FrontDemand { t[0].cast<double>(), t[1].cast<int>(), t[2].cast<int>(), t[3].cast<int>(), t[4].cast<int>(), t[5].cast<double>() }; }));
 }
 
 static void ExportSheet (py::module & m)
@@ -56,6 +58,7 @@ static void ExportSheet (py::module & m)
     .def_property_readonly("origin", [] (const Sheet & s) { auto p = s.GetPlane().origin; return std::tuple(p(0), p(1), p(2)); }, "The point (x, y, z) of the plane with p1 = p2 = 0.")
     .def_property_readonly("axes", &AxesOf, "The unit vectors a1 and a2 of the plane's coordinates.")
     .def_property_readonly("normal", [] (const Sheet & s) { auto p = s.GetPlane().normal; return std::tuple(p(0), p(1), p(2)); }, "The unit normal n, from the minus to the plus side.")
+    .def_property_readonly("name", [] (const Sheet &) { return string(); }, "Empty: sheets have numbers only.")
     .def_property_readonly("area", &Sheet::Area, "Its area, also of what lies outside of a body.")
     .def("Contains", [] (const Sheet & s, Triple p) { return s.Contains(s.GetPlane().Project(ToPoint(p))); }, py::arg("point"), "Whether the foot of a point (x, y, z) on the plane lies in the sheet.")
     .def("__repr__", [] (const Sheet & s) { return py::str("Sheet({}, origin={}, axes={})").format(s.Loops(), ToTriple(s.GetPlane().origin), AxesOf(s)); })
@@ -98,6 +101,7 @@ static void ExportCutTet (py::module & m)
 {
   py::class_<SheetCell>(m, "SheetCell", "What a sheet's plane cuts out of an element, or a face of the mesh on the plane.")
     .def_readonly("element", &SheetCell::element, "The number of the element in the mesh.")
+    .def_property_readonly("h", [] (const SheetCell & c) { return LongestEdge(c.tet); }, "The longest edge of the element.")
     .def_readonly("neighbour", &SheetCell::neighbour, "The element on the other side of a face on the plane, which this one carries for both, or None.")
     .def_readonly("kind", &SheetCell::kind, "Its ElementKind: Cut, Tip (a front is inside) or Aligned.")
     .def_property_readonly("polygon", [] (const SheetCell & c) { return ToPairs(c.polygon); }, "The corners in the plane's coordinates, counter-clockwise.")
@@ -115,6 +119,8 @@ static void ExportSolid (py::module & m)
     .def_property_readonly("mesh", &Solid::GetMesh, "The mesh of NGSolve.")
     .def_property_readonly("cracks", &Solid::Sheets, "The Sheets, in the order in which they were given.")
     .def_property_readonly("fronts", &Solid::Fronts, "The Fronts of all sheets, those of the first sheet first.")
+    .def_property_readonly("tips", [] (const Solid &) { return py::list(); }, "None: a body in space has fronts.")
+    .def_property_readonly("notes", [] (const Solid &) { return std::vector<string>(); }, "Sentences on what was moved: none, sheets stay where they are.")
     .def("CheckMesh", &Solid::CheckMesh, "Raises an Exception if the mesh was refined, curved or deformed after the sheets were located in it.")
     .def("Elements", [] (const Solid & b, size_t c) { b.CheckMesh(); return b.Location(c).Cells(); }, py::arg("crack"), "The SheetCells of a crack, one for each element that carries a part of it.")
     .def("FrontElements", [] (const Solid & b, size_t c) { return b.Location(c).FrontElements(); }, py::arg("crack"), "Numbers of the elements whose closure holds a stretch of a front of a crack.")

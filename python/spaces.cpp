@@ -1,4 +1,4 @@
-#include "convert.hpp"
+#include "enriched_space.hpp"
 #include <pybind11/numpy.h>
 #include "spaces/element_order.hpp"
 
@@ -23,14 +23,6 @@ static void ExportTipSpec (py::module & m)
                                                         t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>() }; }));
 }
 
-template <typename SPACE>
-static shared_ptr<SPACE> Updated (shared_ptr<SPACE> space)
-{
-  space->Update();
-  space->FinalizeUpdate();
-  return space;
-}
-
 using TipSpecs = std::vector<std::optional<TipSpec>>;
 
 static void ExportCrackFESpace (py::module & m)
@@ -38,46 +30,18 @@ static void ExportCrackFESpace (py::module & m)
   py::class_<CrackFESpace, shared_ptr<CrackFESpace>, FESpace> space(m, "CrackFESpace",
       "The enriched space; ngsxfem_contact.CrackFESpace builds it from a TipEnrichment. Unknowns in this order: φ_i for x, φ_i for y, ½(H - s_i) φ_i for x, the\n"
       "same for y, the tips.");
-  space
+  ExportEnriched<2>(space)
     .def(py::init([space] (shared_ptr<CrackedMesh> body, TipSpecs tips, double tolerance, py::kwargs kwargs)
                   {
                     py::list info;
                     info.append(body->GetMesh());
                     return Updated(make_shared<CrackFESpace>(body, tips, tolerance, CreateFlagsFromKwArgs(kwargs, space, info)));
                   }), py::arg("body"), py::arg("tips"), py::arg("tolerance"))
-    .def_static("__flags_doc__", []
-                {
-                  py::dict doc = py::type::of<FESpace>().attr("__flags_doc__")();
-                  doc["orderinner"] = "order of the functions inside a triangle";
-                  doc["dirichletx"] = "Regular expression of the boundaries on which u_x is fixed.";
-                  doc["dirichlety"] = "Regular expression of the boundaries on which u_y is fixed.";
-                  return doc;
-                })
-    .def_property_readonly("order", [] (const CrackFESpace & v) { return v.GetOrder(); }, "The order k of the functions φ_i.")
     .def_property_readonly("body", &CrackFESpace::GetBody, "The CrackedMesh.")
-    .def_property_readonly("scalar_space", &CrackFESpace::GetScalar, "The scalar space of the functions φ_i.")
     .def_property_readonly("tip_specs", &CrackFESpace::TipSpecs, "For each of body.tips its TipSpec, or None where there are no tip functions.")
-    .def("HeldRegions", &CrackFESpace::HeldRegions, py::arg("component"), "The boundary regions (BitArray) on which component 0 (x) or 1 (y) is fixed.")
     .def("SetTipMaterial", &CrackFESpace::SetTipMaterial, py::arg("tip"), py::arg("kappa"), py::arg("mu"),
          "Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are.\n\nRaises\n"
          "------\nException\n    Where there are no functions.")
-    .def_property_readonly("num_heaviside", &CrackFESpace::NumHeaviside, "The number of Heaviside functions of one component.")
-    .def("Heaviside", &CrackFESpace::Heaviside, py::arg("j"), "(i, s_i): the number of the j-th enriched function φ_i, and the side on which its copy sees the largest part of the support.")
-    .def("HeavisideCrack", &CrackFESpace::HeavisideCrack, py::arg("j"), "The number of the crack at which it jumps, of the longest one of several.")
-    .def("HeavisideFactors", [] (const CrackFESpace & v, size_t j, size_t element)
-         {
-           auto factors = v.HeavisideFactors(j, element);
-           return std::vector<int>(factors.begin(), factors.end());
-         }, py::arg("j"), py::arg("element"),
-         "By how much φ_i is multiplied in the j-th Heaviside function, ±1 or 0, on each part of an element. Raises an Exception outside of the support.")
-    .def("HeavisideDof", &CrackFESpace::HeavisideDof, py::arg("j"), py::arg("component"), "The number of the unknown of the j-th Heaviside function, component 0 (x) or 1 (y).")
-    .def("BoundaryDofs", [] (const CrackFESpace & v)
-         {
-           auto array = [] (auto & dofs) { return py::array_t<int>(dofs.size(), dofs.data()); };
-           py::list all;
-           for (auto & region : v.BoundaryDofs()) all.append(py::make_tuple(array(region[0]), array(region[1])));
-           return all;
-         }, "For each boundary region two arrays: the unknowns of either component with a trace on it.")
     .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"), "The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.")
     .def(py::pickle([] (const CrackFESpace & v) { return py::make_tuple(v.GetBody(), v.TipSpecs(), v.Tolerance(), v.GetFlags()); },
                     [] (py::tuple t) { return Updated(make_shared<CrackFESpace>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<TipSpecs>(),
@@ -153,7 +117,8 @@ static void ExportCrackBilinearForm (py::module & m)
                     { return make_shared<CrackBilinearForm>(space, name, CreateFlagsFromKwArgs(kwargs, form)); }),
            py::arg("space"), py::arg("name") = "crack_form")
     .def_static("__flags_doc__", [] { return py::type::of<BilinearForm>().attr("__flags_doc__")(); });
-  m.def("StressPower", &MakeStressPower, py::arg("space"), py::arg("lam"), py::arg("mu"), py::arg("measure"),
+  m.def("StressPower", [] (const CrackFESpace & space, shared_ptr<CoefficientFunction> lam, shared_ptr<CoefficientFunction> mu, const CutDifferentialSymbol & measure)
+        { return MakeStressPower<2>(space, lam, mu, measure); }, py::arg("space"), py::arg("lam"), py::arg("mu"), py::arg("measure"),
         "∫ σ(u):ε(v) for a bilinear form on a CrackFESpace, σ = lam tr(ε) I + 2 mu ε: an integrator for form += ..., the same as the symbolic form, assembled faster.");
 }
 

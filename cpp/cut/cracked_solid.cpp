@@ -1,4 +1,5 @@
 #include "cut/cracked_solid.hpp"
+#include "cut/facets.hpp"
 #include <algorithm>
 
 namespace ngsxfem_contact
@@ -118,6 +119,22 @@ namespace ngsxfem_contact
         for (auto & cell : locations[i].Cells()) cut_tets.try_emplace(cell.element, *mesh, cell, sheets[i], i);
       }
     DivideBoundary();
+    FindFrontNodes();
+  }
+
+  void CrackedSolid :: FindFrontNodes ()
+  {
+    front_nodes.resize(sheets.size());
+    for (size_t sheet = 0; sheet < sheets.size(); sheet++)
+      for (auto element : locations[sheet].FrontElements())
+        {
+          double h = LongestEdge(MeshParts<3>::TetOf(*mesh, element));
+          for (auto v : mesh->GetElement(ElementId(VOL, element)).Vertices())
+            {
+              double & longest = front_nodes[sheet][v];
+              longest = std::max(longest, h);
+            }
+        }
   }
 
   void CrackedSolid :: CheckTetrahedra () const

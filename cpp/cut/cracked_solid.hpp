@@ -58,6 +58,7 @@ namespace ngsxfem_contact
     std::vector<Front> fronts;
     std::map<size_t, CutTet> cut_tets;
     std::map<size_t, DividedTriangle> boundary_parts;
+    std::vector<std::map<size_t, double>> front_nodes;
 
   public:
     /// Throws for a mesh that is not straight tetrahedra, for what SheetLocation refuses, and for two sheets in one element.
@@ -77,6 +78,8 @@ namespace ngsxfem_contact
     const std::vector<Front> & Fronts () const { return fronts; }
     /// Throws for a number that is not below NumCracks().
     const SheetLocation & Location (size_t sheet) const { return locations[Checked(sheet)]; }
+    /// The vertices of the elements whose closure holds a stretch of a front of a sheet, each with the longest edge of these elements at it.
+    const std::map<size_t, double> & FrontNodes (size_t sheet) const { return front_nodes[Checked(sheet)]; }
     const std::map<size_t, CutTet> & CutTets () const { return cut_tets; }
     const std::map<size_t, DividedTriangle> & DividedBoundary () const { return boundary_parts; }
 
@@ -84,5 +87,6 @@ namespace ngsxfem_contact
     void CheckTetrahedra () const;
     void CheckApart () const;
     void DivideBoundary ();
+    void FindFrontNodes ();
   };
 }

@@ -16,6 +16,16 @@ namespace ngsxfem_contact
     return { plane.Direction(Left(tangent)), plane.normal, plane.Direction(tangent) };
   }
 
+  std::optional<size_t> Front :: StretchAt (double s) const
+  {
+    double tolerance = 1e-9*Length();
+    bool closes = IsClosed() && !corners.empty() && corners[0] <= tolerance;       // the first corner is where the curve ends, too
+    for (double corner : corners)
+      if (std::abs(s-corner) <= tolerance || (closes && corner <= tolerance && Length()-s <= tolerance)) return std::nullopt;
+    size_t before = std::ranges::count_if(corners, [&] (double corner) { return corner < s; });
+    return IsClosed() && before == corners.size() && !closes ? 0 : before;
+  }
+
   double Front :: CurvatureAt (double s) const
   {
     size_t i = curve.PieceAt(s);

@@ -29,6 +29,8 @@ namespace ngsxfem_contact
     Point3 PointAt (double s) const { return plane.Value(curve.PointAt(s)); }
     /// e₁ ahead, out of S; e₂ = n; e₃ = e₁ × e₂, the direction in which s grows.
     std::array<Point3,3> FrameAt (double s) const;
+    /// The number of the stretch between two corners that has s, 0 if there are none; nullopt at a corner.
+    std::optional<size_t> StretchAt (double s) const;
     /// 1/R_f, positive where S is convex.
     double CurvatureAt (double s) const;
 

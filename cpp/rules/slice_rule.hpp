@@ -14,7 +14,7 @@ namespace ngsxfem_contact
   /// What functions that are singular at the fronts ask of rules: as x ↦ √r times smooth functions of (√r, θ, s), their gradients squared.
   struct FrontDemand
   {
-    double radius;                 // elements that come nearer to a front get rules of their own
+    double radius = 0;             // elements that come nearer to a front get rules of their own, beside those at vertices of elements that a front is in
     int along = 3, angular = 4, radial = 4;           // Gauss points in s, in the angle, in √r, for each interval on which the slices are smooth
     int order = 5;                 // of Gauss beside the front, in parts of an element
     double beta = 0.35;            // that keep this multiple of their size from the front

@@ -1,4 +1,5 @@
 #include "rules/solid_rules.hpp"
+#include "cut/facets.hpp"
 #include "rules/curved_rule.hpp"
 #include "rules/front_rule.hpp"
 #include <algorithm>
@@ -16,12 +17,6 @@ namespace ngsxfem_contact
 
   namespace
   {
-    Tet TetOf (const MeshAccess & mesh, size_t element)
-    {
-      auto v = mesh.GetElement(ElementId(VOL, element)).Vertices();
-      return { mesh.GetPoint<3>(v[0]), mesh.GetPoint<3>(v[1]), mesh.GetPoint<3>(v[2]), mesh.GetPoint<3>(v[3]) };
-    }
-
     /// Points of an element with weights for what they are on, in NGSolve's reference element.
     std::unique_ptr<ElementRule> InTet (const Tet & t, const PointRule3 & points)
     {
@@ -80,22 +75,29 @@ namespace ngsxfem_contact
         return raised;
       }
 
-      /// Those that come nearer than the radius to a body around a centre.
-      std::vector<const Front*> FrontsNear (Point3 centre, double size) const
+      /// Those that a body around a centre, an element or a boundary element with these vertices, needs rules for.
+      template <typename VERTICES>
+      std::vector<const Front*> FrontsNear (Point3 centre, double size, const VERTICES & vertices) const
       {
         std::vector<const Front*> near;
         if (demand)
           for (auto & front : body.Fronts())
-            if (front.Distance(centre) < demand->radius + size) near.push_back(&front);
+            {
+              double reach = demand->radius;
+              auto & nodes = body.FrontNodes(front.SheetNumber());
+              for (auto v : vertices)
+                if (auto node = nodes.find(v); node != nodes.end()) reach = std::max(reach, (1+1e-9)*node->second);
+              if (reach > 0 && front.Distance(centre) < reach + size) near.push_back(&front);
+            }
         return near;
       }
 
-      std::vector<const Front*> FrontsNear (const Tet & t) const
+      std::vector<const Front*> FrontsNear (size_t element, const Tet & t) const
       {
         Point3 centre = Centre(t);
         double size = 0;
         for (auto & x : t) size = std::max(size, Norm(Point3(x-centre)));
-        return FrontsNear(centre, size);
+        return FrontsNear(centre, size, mesh.GetElement(ElementId(VOL, element)).Vertices());
       }
 
       bool Wanted (const CutTet * cut, int side) const
@@ -137,8 +139,8 @@ namespace ngsxfem_contact
       {
         auto table = make_shared<RuleTable>(ngfem::ET_TET, mesh.GetNE(VOL));
         for (size_t element = 0; element < mesh.GetNE(VOL); element++)
-          if (auto t = TetOf(mesh, element); body.Find(element)) table->Add(element, VolumeRule(element, t, FrontsNear(t)));
-          else if (auto near = FrontsNear(t); !near.empty()) table->Add(element, VolumeRule(element, t, near));
+          if (auto t = MeshParts<3>::TetOf(mesh, element); body.Find(element)) table->Add(element, VolumeRule(element, t, FrontsNear(element, t)));
+          else if (auto near = FrontsNear(element, t); !near.empty()) table->Add(element, VolumeRule(element, t, near));
         return table;
       }
 
@@ -161,9 +163,9 @@ namespace ngsxfem_contact
         auto table = make_shared<RuleTable>(ngfem::ET_TET, mesh.GetNE(VOL));
         for (auto & [element, cut] : body.CutTets())
           {
-            auto t = TetOf(mesh, element);
+            auto t = MeshParts<3>::TetOf(mesh, element);
             PointRule in_plane;
-            if (!kind.crack || *kind.crack == cut.Sides().crack) AppendFacet(cut, FrontsNear(t), in_plane);
+            if (!kind.crack || *kind.crack == cut.Sides().crack) AppendFacet(cut, FrontsNear(element, t), in_plane);
             PointRule3 points;
             for (auto & [p, weight] : in_plane) points.push_back({ body.Sheets()[cut.Sides().crack].GetPlane().Value(p), weight });
             table->Add(element, InTet(t, points));
@@ -177,12 +179,12 @@ namespace ngsxfem_contact
         for (size_t i = 0; i < mesh.GetNE(BND); i++)
           {
             auto v = mesh.GetElement(ElementId(BND, i)).Vertices();
-            Triangle3 t { mesh.GetPoint<3>(v[0]), mesh.GetPoint<3>(v[1]), mesh.GetPoint<3>(v[2]) };
+            Triangle3 t = MeshParts<3>::TriangleOf(mesh, i);
             auto divided = body.FindBoundary(i);
             Point3 centre = 1./3*(t[0]+t[1]+t[2]);
             double size = 0;
             for (auto & x : t) size = std::max(size, Norm(Point3(x-centre)));
-            auto near = FrontsNear(centre, size);
+            auto near = FrontsNear(centre, size, v);
             if (!divided && near.empty()) continue;
             std::vector<Triangle> parts { { Point(1., 0.), Point(0., 1.), Point(0., 0.) } };
             if (divided)
@@ -209,7 +211,7 @@ namespace ngsxfem_contact
   {
     if (!demand) return;
     auto refuse = [] (const string & what) { throw ngcore::Exception("FrontDemand: " + what); };
-    if (!(demand->radius > 0 && std::isfinite(demand->radius))) refuse("radius=" + Digits(demand->radius) + " must be positive and finite");
+    if (!(demand->radius >= 0 && std::isfinite(demand->radius))) refuse("radius=" + Digits(demand->radius) + " must be 0 or positive, and finite");
     if (!(demand->beta > 0 && demand->beta <= 1)) refuse("beta=" + Digits(demand->beta) + " must lie between 0 and 1");
     for (int n : { demand->along, demand->angular, demand->radial, demand->order })
       if (n < 1 || n > 40) refuse("numbers of points and the order lie between 1 and 40, got " + std::to_string(n));

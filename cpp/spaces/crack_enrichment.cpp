@@ -1,15 +1,40 @@
 // N_H: which functions φ_i of V_h have copies, one for each connected part of their supports but the largest.
 
-#include "spaces/crack_fespace.hpp"
+#include "spaces/enriched_space.hpp"
 
 namespace ngsxfem_contact
 {
   using namespace ngcomp;
 
+  namespace
+  {
+    string ComponentName (int component) { return "u_" + HeldFlag(component).substr(9); }
+
+    /// The boundary elements that have a node.
+    std::vector<size_t> BoundaryAt (const MeshAccess & mesh, NodeId node)
+    {
+      std::vector<size_t> elements;
+      size_t vertex = node.GetType() == NT_VERTEX ? node.GetNr() : node.GetType() == NT_EDGE ? mesh.GetEdgePNums(node.GetNr())[0] : mesh.GetFacePNums(node.GetNr())[0];
+      for (auto element : mesh.GetVertexSurfaceElements(vertex))
+        {
+          auto el = mesh.GetElement(ElementId(BND, element));
+          auto has = [&] (auto && nodes)
+          {
+            bool found = false;
+            for (auto nr : nodes) found = found || size_t(nr) == node.GetNr();
+            return found;
+          };
+          if (node.GetType() == NT_VERTEX || (node.GetType() == NT_EDGE ? has(el.Edges()) : has(el.Faces()))) elements.push_back(element);
+        }
+      return elements;
+    }
+  }
+
   /// A smaller part of a support than this has no copy: the energy of what is missed is the square root of it, relative to the jump.
   constexpr double smallest_part = 1e-14;
 
-  void CrackFESpace :: FindEnrichment ()
+  template <int D>
+  void EnrichedSpace<D> :: FindEnrichment ()
   {
     enrichment.clear();
     supports.clear();
@@ -19,14 +44,16 @@ namespace ngsxfem_contact
       {
         auto el = ma->GetElement(ElementId(VOL, element));
         for (auto v : el.Vertices()) nodes.insert({ NT_VERTEX, v });
-        for (auto e : el.Edges()) nodes.insert({ NT_EDGE, e });
+        for (auto type : MeshParts<D>::between)
+          for (auto nr : type == NT_EDGE ? el.Edges() : el.Faces()) nodes.insert({ type, nr });
         nodes.insert({ NT_CELL, element });
       }
     for (auto [type, nr] : nodes)
       EnrichNode(NodeId(NODE_TYPE(type), nr));
   }
 
-  void CrackFESpace :: EnrichNode (NodeId node)
+  template <int D>
+  void EnrichedSpace<D> :: EnrichNode (NodeId node)
   {
     Array<DofId> dofs;
     scalar->GetDofNrs(node, dofs);
@@ -46,41 +73,47 @@ namespace ngsxfem_contact
     supports.push_back(std::move(support));
   }
 
-  Array<int> CrackFESpace :: ElementsOf (NodeId node) const
+  template <int D>
+  Array<int> EnrichedSpace<D> :: ElementsOf (NodeId node) const
   {
     Array<int> elements;
     if (node.GetType() == NT_VERTEX)
       for (auto el : ma->GetVertexElements(node.GetNr())) elements.Append(el);
     else if (node.GetType() == NT_EDGE)
       ma->GetEdgeElements(node.GetNr(), elements);
+    else if (node.GetType() == NT_FACE)
+      ma->GetFaceElements(node.GetNr(), elements);
     else
       elements.Append(node.GetNr());
     return elements;
   }
 
-  std::optional<size_t> CrackFESpace::Support :: ComponentOf (PartOfElement part) const
+  template <int D>
+  std::optional<size_t> EnrichedSpace<D>::Support :: ComponentOf (PartOfElement part) const
   {
     auto here = std::ranges::find(elements, part.element);
     if (here == elements.end()) return std::nullopt;
     return component[first[here-elements.begin()] + part.part];
   }
 
-  /// visit(i, j, edge) for two elements of a support, in the mesh's order, that share an edge.
+  /// visit(i, j, facet) for two elements of a support, in the mesh's order, that share a facet.
+  template <int D>
   template <typename F>
-  void CrackFESpace :: VisitNeighbours (const Support & support, F && visit) const
+  void EnrichedSpace<D> :: VisitNeighbours (const Support & support, F && visit) const
   {
     for (size_t i = 0; i < support.elements.size(); i++)
-      for (auto edge : ma->GetElement(ElementId(VOL, support.elements[i])).Edges())
+      for (auto facet : ma->GetElement(ElementId(VOL, support.elements[i])).Facets())
         {
           Array<int> both;
-          ma->GetEdgeElements(edge, both);
+          ma->GetFacetElements(facet, both);
           if (both.Size() < 2 || size_t(both[0]) != support.elements[i]) continue;
           if (auto other = std::ranges::find(support.elements, size_t(both[1])); other != support.elements.end())
-            visit(i, size_t(other-support.elements.begin()), edge);
+            visit(i, size_t(other-support.elements.begin()), facet);
         }
   }
 
-  CrackFESpace::Support CrackFESpace :: SupportOf (NodeId node) const
+  template <int D>
+  auto EnrichedSpace<D> :: SupportOf (NodeId node) const -> Support
   {
     Support support;
     std::vector<double> sizes;
@@ -89,11 +122,11 @@ namespace ngsxfem_contact
         support.elements.push_back(element);
         support.first.push_back(sizes.size());
         if (auto cut = Geometry().Find(element)) sizes.insert(sizes.end(), cut->sizes.begin(), cut->sizes.end());
-        else sizes.push_back(Area(VerticesOf(*ma, element)));
+        else sizes.push_back(MeshParts<D>::ElementSize(*ma, element));
       }
     Forest forest(sizes.size());
-    VisitNeighbours(support, [&] (size_t i, size_t j, size_t edge)
-    { for (auto [here, there] : Geometry().Links(edge)) forest.Join(support.first[i]+here, support.first[j]+there); });
+    VisitNeighbours(support, [&] (size_t i, size_t j, size_t facet)
+    { for (auto [here, there] : Geometry().Links(facet)) forest.Join(support.first[i]+here, support.first[j]+there); });
     support.component = forest.Trees();
     for (size_t part = 0; part < sizes.size(); part++)
       {
@@ -105,89 +138,102 @@ namespace ngsxfem_contact
 
   /// Where the body hangs together by a vertex alone, its parts have one function without cracks; a crack through the vertex would have to
   /// decide whether they still do.
-  void CrackFESpace :: CheckHinge (NodeId node, const Support & support) const
+  template <int D>
+  void EnrichedSpace<D> :: CheckHinge (NodeId node, const Support & support) const
   {
     if (node.GetType() != NT_VERTEX) return;
     Forest elements(support.elements.size());
     VisitNeighbours(support, [&] (size_t i, size_t j, size_t) { elements.Join(i, j); });
     if (std::ranges::max(elements.Trees()) > 0)
-      throw Exception("CrackFESpace: the crack passes through the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
+      throw Exception("CrackFESpace: the crack passes through the vertex " + ToString(ma->template GetPoint<D>(node.GetNr()))
                       + ", where parts of the body hang together by this point alone; lead it beside the vertex");
   }
 
-  std::vector<CrackFESpace::Border> CrackFESpace :: BordersOf (const Support & support) const
+  template <int D>
+  auto EnrichedSpace<D> :: BordersOf (const Support & support) const -> std::vector<Border>
   {
     std::vector<Border> borders;
     for (auto element : support.elements)
       if (auto cut = Geometry().Find(element))
-        cut->VisitFacets([&] (const CrackSides & sides, double length)
+        cut->VisitFacets([&] (const CrackSides & sides, double size)
         {
           auto component = [&] (size_t part)
           { return support.ComponentOf(part < cut->NumParts() ? PartOfElement { element, part } : cut->across[part-cut->NumParts()]); };
           auto plus = component(sides.plus), minus = component(sides.minus);
-          if (plus && minus && *plus != *minus) borders.push_back({ *plus, *minus, sides.crack, length });
+          if (plus && minus && *plus != *minus) borders.push_back({ *plus, *minus, sides.crack, size });
         });
     return borders;
   }
 
-  CrackFESpace::Copy CrackFESpace :: CopyOn (size_t component, const Support & support, const std::vector<Border> & borders) const
+  template <int D>
+  auto EnrichedSpace<D> :: CopyOn (size_t component, const Support & support, const std::vector<Border> & borders) const -> Copy
   {
     Copy copy { supports.size(), component, 1, 0 };
-    double plus = 0, longest = 0;
+    double plus = 0, largest = 0;
     bool beside_base = std::ranges::any_of(borders, [&] (auto & border) { return std::minmax({ border.plus, border.minus }) == std::minmax({ component, support.base }); });
     for (auto & border : borders)
       {
         if (border.plus != component && border.minus != component) continue;
         if (beside_base && border.plus != support.base && border.minus != support.base) continue;
-        plus += (border.plus == component ? 1 : -1)*border.length;
-        if (border.length > longest) { longest = border.length; copy.crack = border.crack; }
+        plus += (border.plus == component ? 1 : -1)*border.size;
+        if (border.size > largest) { largest = border.size; copy.crack = border.crack; }
       }
     if (plus < 0) copy.sign = -1;
     return copy;
   }
 
-  /// For each component of the support the lengths of the boundary at the node on which u_x, and u_y, is held.
-  std::vector<std::array<double,2>> CrackFESpace :: HeldLengths (NodeId node, const Support & support) const
+  /// For each component of the support the sizes of the boundary at the node on which each component of u is held.
+  template <int D>
+  auto EnrichedSpace<D> :: HeldSizesOf (NodeId node, const Support & support) const -> HeldSizes
   {
-    std::vector<std::array<double,2>> lengths(support.sizes.size(), { 0, 0 });
-    if (node.GetType() == NT_CELL) return lengths;
-    bool is_edge = node.GetType() == NT_EDGE;
-    for (auto element : ma->GetVertexSurfaceElements(is_edge ? ma->GetEdgePNums(node.GetNr())[0] : node.GetNr()))
+    HeldSizes held_sizes(support.sizes.size());
+    for (auto & sizes : held_sizes) sizes.fill(0);
+    if (node.GetType() == NT_CELL) return held_sizes;
+    for (auto element : BoundaryAt(*ma, node))
       {
         auto el = ma->GetElement(ElementId(BND, element));
-        if (is_edge && size_t(el.Edges()[0]) != node.GetNr()) continue;
         auto beside = PartsBeside(element);
         auto parts = Geometry().FindBoundary(element);
         for (size_t i = 0; i < beside.size(); i++)
-          for (int k : { 0, 1 })
+          for (int k = 0; k < D; k++)
             if (auto component = support.ComponentOf(beside[i]); component && held[k][el.GetIndex()])
-              lengths[*component][k] += parts ? parts->sizes[i] : EdgeMap(*ma, element).Length();
+              held_sizes[*component][k] += parts ? parts->sizes[i] : MeshParts<D>::BoundarySize(*ma, element);
       }
-    return lengths;
+    return held_sizes;
+  }
+
+  /// Throws unless some component of a support has all that is held.
+  template <int D>
+  void EnrichedSpace<D> :: CheckHeld (NodeId node, const HeldSizes & held_sizes) const
+  {
+    auto holds = [] (auto & sizes, int k) { return sizes[k] > 0; };
+    std::vector<int> somewhere;
+    for (int k = 0; k < D; k++)
+      if (std::ranges::any_of(held_sizes, [&] (auto & sizes) { return holds(sizes, k); })) somewhere.push_back(k);
+    for (auto & sizes : held_sizes)
+      if (std::ranges::all_of(somewhere, [&] (int k) { return holds(sizes, k); })) return;
+    throw Exception("CrackFESpace: the crack meets the boundary at the vertex " + ToString(ma->template GetPoint<D>(node.GetNr()))
+                    + ", where " + ComponentName(somewhere.front()) + " is held on one side of it only and " + ComponentName(somewhere.back())
+                    + " on the other side only; end it beside the vertex, or hold both components on one side");
   }
 
   /// The largest component, of those on which the boundary is held if it is: a copy has a trace on its own part of the boundary only, so that
   /// what is fixed on one side of a crack does not fix what lies across it. Of equals that on the plus side of the first crack, so that no numbering decides.
-  size_t CrackFESpace :: BaseOf (NodeId node, const Support & support, const std::vector<Border> & borders) const
+  template <int D>
+  size_t EnrichedSpace<D> :: BaseOf (NodeId node, const Support & support, const std::vector<Border> & borders) const
   {
-    auto held_lengths = HeldLengths(node, support);
+    auto held_sizes = HeldSizesOf(node, support);
+    CheckHeld(node, held_sizes);
     std::vector<double> size = support.sizes;
-    bool x = false, y = false, both = false;
-    for (auto [of_x, of_y] : held_lengths)
-      {
-        x = x || of_x > 0;
-        y = y || of_y > 0;
-        both = both || (of_x > 0 && of_y > 0);
-      }
-    if (x && y && !both)
-      throw Exception("CrackFESpace: the crack meets the boundary at the vertex " + ToString(ma->GetPoint<2>(node.GetNr()))
-                      + ", where u_x is held on one side of it only and u_y on the other side only; end it beside the vertex, or hold both components on one side");
-    if (x || y)
+    std::array<bool,D> anywhere {};
+    for (auto & sizes : held_sizes)
+      for (int k = 0; k < D; k++) anywhere[k] = anywhere[k] || sizes[k] > 0;
+    if (std::ranges::count(anywhere, true))
       for (size_t i = 0; i < size.size(); i++)
         {
-          auto [of_x, of_y] = held_lengths[i];
-          bool may = (!x || of_x > 0) && (!y || of_y > 0);
-          size[i] = may ? of_x+of_y : 0;
+          bool may = true;
+          for (int k = 0; k < D; k++) may = may && (!anywhere[k] || held_sizes[i][k] > 0);
+          size[i] = may ? std::accumulate(held_sizes[i].begin(), held_sizes[i].end(), 0.) : 0;
         }
     double largest = std::ranges::max(size);
     auto rank = [&] (size_t component)
@@ -196,11 +242,11 @@ namespace ngsxfem_contact
       std::map<size_t, double> below;
       for (auto & border : borders)
         {
-          if (border.plus == component) below[border.crack] -= border.length;
-          if (border.minus == component) below[border.crack] += border.length;
+          if (border.plus == component) below[border.crack] -= border.size;
+          if (border.minus == component) below[border.crack] += border.size;
         }
       std::vector<std::pair<size_t, int>> signs;
-      for (auto [crack, length] : below) signs.push_back({ crack, length > 0 ? 1 : -1 });
+      for (auto [crack, size] : below) signs.push_back({ crack, size > 0 ? 1 : -1 });
       return signs;
     };
     std::optional<size_t> best;
@@ -209,7 +255,8 @@ namespace ngsxfem_contact
     return *best;
   }
 
-  std::vector<signed char> CrackFESpace :: HeavisideFactors (size_t j, size_t element) const
+  template <int D>
+  std::vector<signed char> EnrichedSpace<D> :: HeavisideFactors (size_t j, size_t element) const
   {
     auto & copy = CopyOf(j);
     if (!std::ranges::count(supports[copy.support].elements, element))
@@ -217,22 +264,25 @@ namespace ngsxfem_contact
     return Factors(copy, ElementId(VOL, element));
   }
 
-  signed char CrackFESpace :: Factor (const Copy & copy, PartOfElement part) const
+  template <int D>
+  signed char EnrichedSpace<D> :: Factor (const Copy & copy, PartOfElement part) const
   {
     auto component = supports[copy.support].ComponentOf(part);
     return component == copy.component ? copy.sign : 0;
   }
 
   /// Of which parts of neighbours a boundary element and its parts are facets.
-  std::vector<PartOfElement> CrackFESpace :: PartsBeside (size_t element) const
+  template <int D>
+  std::vector<PartOfElement> EnrichedSpace<D> :: PartsBeside (size_t element) const
   {
     if (auto parts = Geometry().FindBoundary(element)) return parts->beside;
     Array<int> neighbours;
-    ma->GetEdgeElements(ma->GetElement(ElementId(BND, element)).Edges()[0], neighbours);
+    ma->GetFacetElements(MeshParts<D>::FacetOf(*ma, element), neighbours);
     return { { size_t(neighbours[0]), 0 } };
   }
 
-  std::vector<signed char> CrackFESpace :: Factors (const Copy & copy, ElementId ei) const
+  template <int D>
+  std::vector<signed char> EnrichedSpace<D> :: Factors (const Copy & copy, ElementId ei) const
   {
     std::vector<PartOfElement> parts;
     if (ei.VB() == BND) parts = PartsBeside(ei.Nr());
@@ -246,4 +296,7 @@ namespace ngsxfem_contact
     for (auto & part : parts) factors.push_back(Factor(copy, part));
     return factors;
   }
+
+  template class EnrichedSpace<2>;
+  template class EnrichedSpace<3>;
 }

@@ -12,19 +12,20 @@ namespace ngsxfem_contact
   /// What an operator's name ends in.
   string NameOf (Trace trace);
 
-  /// order 0: (u_x, u_y); order 1: the matrix ∂_j u_i.
+  /// order 0: u; order 1: the matrix ∂_j u_i.
+  template <int D>
   class CrackDiffOp : public ngfem::DifferentialOperator
   {
     int diff_order;
     Trace trace;
-    size_t d;                    // scalar components: 1 or 2
+    size_t d;                    // scalar components: 1 or D
 
   public:
     CrackDiffOp (int adiff_order, Trace atrace, VorB avb);
 
     string Name() const override;
     bool operator== (const ngfem::DifferentialOperator & other) const override;
-    /// Values need no mapping, so one operator serves triangles and boundary edges: v*ds works without Trace().
+    /// Values need no mapping, so one operator serves elements and boundary elements: v*ds works without Trace().
     bool SupportsVB (VorB vb) const override { return vb == VB() || (diff_order == 0 && vb <= BND); }
     shared_ptr<ngfem::DifferentialOperator> GetTrace() const override;
 
@@ -45,23 +46,23 @@ namespace ngsxfem_contact
                    BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const override;
 
     /// The scalar functions compactly: row j*d+l is component l of function j.
-    void CalcScalar (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
-    /// The functions of the tips, all components of one after the other.
-    void CalcTips (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
+    void CalcScalar (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
+    /// The singular functions, all components of one after the other.
+    void CalcSingular (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
 
   private:
-    void CalcHeaviside (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
+    void CalcHeaviside (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const;
     template <typename T, typename F>
-    void VisitTips (const CrackFiniteElement & fel, Vec<2,T> x, int side, F && visit) const;
+    void VisitSingular (const CrackFiniteElement<D> & fel, Vec<D,T> x, int side, F && visit) const;
     template <typename F>
-    void VisitTips (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, size_t i, F && visit) const;
-    void ApplyScalar (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+    void VisitSingular (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, size_t i, F && visit) const;
+    void ApplyScalar (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                       BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const;
-    void ApplyPolynomial (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+    void ApplyPolynomial (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                           BareSliceVector<double> x, BareSliceMatrix<SIMD<double>> flux) const;
-    void AddTransScalar (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+    void AddTransScalar (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                          BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const;
-    void AddTransPolynomial (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
+    void AddTransPolynomial (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir,
                              BareSliceMatrix<SIMD<double>> flux, BareSliceVector<double> x) const;
   };
 }

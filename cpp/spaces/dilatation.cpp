@@ -98,8 +98,8 @@ namespace ngsxfem_contact
       return Point(p(i/width,0)[i%width], p(i/width,1)[i%width]);
     }
 
-    PlacedPoint Placed (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
-    { return { mir.IR()[i/width](0)[i%width], mir.IR()[i/width](1)[i%width], PointOf(mir, i) }; }
+    PlacedPoint<2> Placed (const SIMD_BaseMappedIntegrationRule & mir, size_t i)
+    { return { IntegrationPoint(mir.IR()[i/width](0)[i%width], mir.IR()[i/width](1)[i%width], 0, 0), PointOf(mir, i) }; }
 
     /// D u, or (1 - Π) s, of all functions of one element.
     class ElementDilatation
@@ -110,12 +110,12 @@ namespace ngsxfem_contact
         double area;
         Matrix<> moments;                            // of div - s, or -s, functions × polynomials
       };
-      const CrackFiniteElement & fel;
+      const CrackFiniteElement<2> & fel;
       Dilatation kind;
       std::map<size_t, Part> parts;                  // by number
 
     public:
-      ElementDilatation (const CrackFiniteElement & afel, const ElementTransformation & trafo, const BodyRules & rules, Dilatation akind)
+      ElementDilatation (const CrackFiniteElement<2> & afel, const ElementTransformation & trafo, const BodyRules & rules, Dilatation akind)
         : fel(afel), kind(akind)
       {
         int order = 2*(fel.Order()-1);
@@ -127,21 +127,34 @@ namespace ngsxfem_contact
         Project(trafo(ir, lh), ir.GetNIP());
       }
 
+      /// visit(number of the dof, s) for every function of the tips at x, see TipFunctions::SingularDivergence.
+      template <typename F>
+      void VisitSingularDivergence (PlacedPoint<2> & x, Trace trace, F && visit) const
+      {
+        size_t dof = 2*fel.NumScalar();
+        for (auto tip : fel.Singular().Tips())
+          {
+            auto s = tip->SingularDivergence(x.Place(), fel.ForcedSide(trace, x));
+            for (int m = 0; m < tip->Size(); m++, dof++)
+              if (m < 2) visit(dof, s[m]);
+          }
+      }
+
       /// At a point; on a side where the element has no part, as in its largest one.
-      void Evaluate (PlacedPoint x, Trace trace, FlatVector<> result) const
+      void Evaluate (PlacedPoint<2> x, Trace trace, FlatVector<> result) const
       {
         auto part = parts.find(fel.PartAt(trace, x));
         if (part == parts.end())
           part = std::max_element(parts.begin(), parts.end(), [] (auto & a, auto & b) { return a.second.area < b.second.area; });
         result = part->second.moments * part->second.polynomials.Evaluate(x.Place());
-        fel.VisitSingularDivergence(x, trace, [&] (size_t dof, double s) { result(dof) += s; });
+        VisitSingularDivergence(x, trace, [&] (size_t dof, double s) { result(dof) += s; });
       }
 
     private:
       void Project (const SIMD_BaseMappedIntegrationRule & mir, size_t num_points)
       {
         Matrix<SIMD<double>> gradient(fel.GetNDof()*4, mir.Size());
-        CrackDiffOp(1, Trace::Position, VOL).CalcMatrix(fel, mir, gradient);
+        CrackDiffOp<2>(1, Trace::Position, VOL).CalcMatrix(fel, mir, gradient);
         std::map<size_t, std::vector<size_t>> numbers;
         for (size_t i = 0; i < num_points; i++)
           {
@@ -170,7 +183,7 @@ namespace ngsxfem_contact
             for (int j = 0; j < fel.GetNDof(); j++)
               divergence(j) = kind == Dilatation::Singular ? 0 : gradient(4*j, block)[lane] + gradient(4*j+3, block)[lane];
             auto x = Placed(mir, numbers[k]);
-            fel.VisitSingularDivergence(x, Trace::Position, [&] (size_t dof, double s) { divergence(dof) -= s; });
+            VisitSingularDivergence(x, Trace::Position, [&] (size_t dof, double s) { divergence(dof) -= s; });
             part.moments += points[k].weight * divergence * Trans(part.polynomials.Evaluate(points[k].p));
           }
         return part;
@@ -193,15 +206,15 @@ namespace ngsxfem_contact
                                    BareSliceMatrix<double, ColMajor> mat, LocalHeap & lh) const
   {
     HeapReset hr(lh);
-    auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    auto & fel = static_cast<const CrackFiniteElement<2>&>(bfel);
     FlatVector<> values(fel.GetNDof(), lh);
-    ElementDilatation(fel, mip.GetTransformation(), *rules, kind).Evaluate({ mip.IP()(0), mip.IP()(1), Point(mip.GetPoint()(0), mip.GetPoint()(1)) }, trace, values);
+    ElementDilatation(fel, mip.GetTransformation(), *rules, kind).Evaluate({ mip.IP(), Point(mip.GetPoint()(0), mip.GetPoint()(1)) }, trace, values);
     for (int j = 0; j < fel.GetNDof(); j++) mat(0, j) = values(j);
   }
 
   void DilatationOp :: CalcMatrix (const FiniteElement & bfel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const
   {
-    auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    auto & fel = static_cast<const CrackFiniteElement<2>&>(bfel);
     ElementDilatation dilatation(fel, mir.GetTransformation(), *rules, kind);
     Matrix<> values(width, fel.GetNDof());
     for (size_t i = 0; i < mir.Size(); i++)

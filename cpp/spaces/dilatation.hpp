@@ -2,6 +2,7 @@
 // D u, which takes the place of div u where the material is nearly incompressible: the L² projection Π of div u onto polynomials on each
 // part of an element, but for the singular divergence s of the tips' modes, D u = Π (div u - s) + s  (docs/method.md, section 11).
 
+#include "rules/body_rules.hpp"
 #include "spaces/diffops.hpp"
 #include "spaces/scalar_operator.hpp"
 

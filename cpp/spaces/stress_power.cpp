@@ -4,18 +4,20 @@ namespace ngsxfem_contact
 {
   using namespace ngfem;
 
-  void StressPowerIntegrator :: CalcElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatMatrix<double> elmat, LocalHeap & lh) const
+  template <int D>
+  void StressPowerIntegrator<D> :: CalcElementMatrix (const FiniteElement & fel, const ElementTransformation & trafo, FlatMatrix<double> elmat, LocalHeap & lh) const
   {
     elmat = 0;
     bool symmetric = true;
     CalcElementMatrixAdd(fel, trafo, elmat, symmetric, lh);
   }
 
-  void StressPowerIntegrator :: CalcElementMatrixAdd (const FiniteElement & bfel, const ElementTransformation & trafo, FlatMatrix<double> elmat,
+  template <int D>
+  void StressPowerIntegrator<D> :: CalcElementMatrixAdd (const FiniteElement & bfel, const ElementTransformation & trafo, FlatMatrix<double> elmat,
                                                       bool &, LocalHeap & lh) const
   {
     constexpr size_t block = 64;                             // of points: rules near a tip have thousands
-    auto & fel = static_cast<const CrackFiniteElement&>(bfel);
+    auto & fel = static_cast<const CrackFiniteElement<D>&>(bfel);
     int order = std::max(0, 2*fel.Order()-2+bonus_intorder);
     auto rule = rules.Find(order, trafo.GetElementNr());
     auto & ir = rule ? rule->simd_ir : SIMD_SelectIntegrationRule(fel.ElementType(), order);
@@ -26,62 +28,76 @@ namespace ngsxfem_contact
       }
   }
 
-  void StressPowerIntegrator :: AddPoints (const CrackFiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, FlatMatrix<double> elmat, LocalHeap & lh) const
+  template <int D>
+  void StressPowerIntegrator<D> :: AddPoints (const CrackFiniteElement<D> & fel, const SIMD_BaseMappedIntegrationRule & mir, FlatMatrix<double> elmat, LocalHeap & lh) const
   {
-    size_t n = fel.NumScalar(), t = fel.NumTip(), points = mir.Size();
-    FlatMatrix<SIMD<double>> scalar(n, 2*points, lh), tip(t, 4*points, lh);              // [∂_x | ∂_y]; [∂_x u_x | ∂_y u_x | ∂_x u_y | ∂_y u_y]
-    gradient.CalcScalar(fel, mir, FlatMatrix<SIMD<double>>(2*n, points, scalar.Data()));
-    gradient.CalcTips(fel, mir, FlatMatrix<SIMD<double>>(4*t, points, tip.Data()));
-
-    // stresses times weights: [σ_xx | σ_xy | σ_xy | σ_yy], of φ e_x and φ e_y without the half that follows from the other
-    FlatMatrix<SIMD<double>> moduli(2, points, lh), of_x(n, 2*points, lh), of_y(n, 2*points, lh), across(n, 2*points, lh), of_tip(t, 4*points, lh);
+    size_t n = fel.NumScalar(), t = fel.NumSingular(), points = mir.Size();
+    FlatMatrix<SIMD<double>> scalar(n, D*points, lh), singular(t, D*D*points, lh);         // [∂_1 | ∂_2 | ...]; [∂_1 u_1 | ∂_2 u_1 | ...]
+    gradient.CalcScalar(fel, mir, FlatMatrix<SIMD<double>>(D*n, points, scalar.Data()));
+    gradient.CalcSingular(fel, mir, FlatMatrix<SIMD<double>>(D*D*t, points, singular.Data()));
+    FlatMatrix<SIMD<double>> moduli(2, points, lh);                                       // times weights
     lam->Evaluate(mir, moduli.Rows(0, 1));
     mu->Evaluate(mir, moduli.Rows(1, 2));
-    for (size_t i = 0; i < points; i++)
-      {
-        SIMD<double> l = mir[i].GetWeight()*moduli(0, i), m = mir[i].GetWeight()*moduli(1, i), both = l + 2.*m;
-        for (size_t j = 0; j < n; j++)
-          {
-            auto dx = scalar(j, i), dy = scalar(j, points+i);
-            of_x(j, i) = both*dx;
-            of_x(j, points+i) = m*dy;
-            of_y(j, i) = m*dx;
-            of_y(j, points+i) = both*dy;
-            across(j, i) = l*dy;
-            across(j, points+i) = m*dx;
-          }
-        for (size_t j = 0; j < t; j++)
-          {
-            auto xx = tip(j, i), yy = tip(j, 3*points+i), shear = m*(tip(j, points+i)+tip(j, 2*points+i));
-            of_tip(j, i) = both*xx + l*yy;
-            of_tip(j, points+i) = of_tip(j, 2*points+i) = shear;
-            of_tip(j, 3*points+i) = l*xx + both*yy;
-          }
-      }
+    for (size_t i = 0; i < points; i++) moduli.Col(i) *= mir[i].GetWeight();
 
-    AddABt(scalar, of_x, elmat.Rows(0, n).Cols(0, n));
-    AddABt(scalar, of_y, elmat.Rows(n, 2*n).Cols(n, 2*n));
-    FlatMatrix<double> mixed(n, n, lh), with_tip(n, 2*t, lh);
-    mixed = 0;
-    AddABt(scalar, across, mixed);
-    elmat.Rows(0, n).Cols(n, 2*n) += mixed;
-    elmat.Rows(n, 2*n).Cols(0, n) += Trans(mixed);
-    if (t == 0) return;
-    with_tip = 0;
-    AddABt(scalar, FlatMatrix<SIMD<double>>(2*t, 2*points, of_tip.Data()), with_tip);
-    for (size_t j = 0; j < t; j++)
-      for (size_t k = 0; k < 2; k++)
+    // rows k of the stresses of φ e_l, without the half that follows from the other
+    FlatMatrix<SIMD<double>> stress(n, D*points, lh);
+    FlatMatrix<double> mixed(n, n, lh);
+    for (size_t k = 0; k < D; k++)
+      for (size_t l = k; l < D; l++)
         {
-          elmat.Col(2*n+j).Range(k*n, (k+1)*n) += with_tip.Col(2*j+k);
-          elmat.Row(2*n+j).Range(k*n, (k+1)*n) += with_tip.Col(2*j+k);
+          for (size_t i = 0; i < points; i++)
+            for (size_t j = 0; j < n; j++)
+              for (size_t a = 0; a < D; a++)
+                {
+                  auto & value = stress(j, a*points+i);
+                  value = a == l ? moduli(1, i)*scalar(j, k*points+i) : SIMD<double>(0.);
+                  if (a == k) value += moduli(0, i)*scalar(j, l*points+i);
+                  if (k == l) value += moduli(1, i)*scalar(j, a*points+i);
+                }
+          if (k == l)
+            {
+              AddABt(scalar, stress, elmat.Rows(k*n, (k+1)*n).Cols(k*n, (k+1)*n));
+              continue;
+            }
+          mixed = 0;
+          AddABt(scalar, stress, mixed);
+          elmat.Rows(k*n, (k+1)*n).Cols(l*n, (l+1)*n) += mixed;
+          elmat.Rows(l*n, (l+1)*n).Cols(k*n, (k+1)*n) += Trans(mixed);
         }
-    AddABt(tip, of_tip, elmat.Rows(2*n, 2*n+t).Cols(2*n, 2*n+t));
+    if (t == 0) return;
+
+    FlatMatrix<SIMD<double>> of_singular(t, D*D*points, lh);
+    for (size_t i = 0; i < points; i++)
+      for (size_t j = 0; j < t; j++)
+        {
+          auto at = [&] (size_t k, size_t l) -> SIMD<double> & { return singular(j, (k*D+l)*points+i); };
+          SIMD<double> pressure(0.);
+          for (size_t k = 0; k < D; k++) pressure += moduli(0, i)*at(k, k);
+          for (size_t k = 0; k < D; k++)
+            for (size_t l = 0; l < D; l++)
+              of_singular(j, (k*D+l)*points+i) = moduli(1, i)*(at(k, l)+at(l, k)) + (k == l ? pressure : SIMD<double>(0.));
+        }
+    FlatMatrix<double> with_singular(n, D*t, lh);
+    with_singular = 0;
+    AddABt(scalar, FlatMatrix<SIMD<double>>(D*t, D*points, of_singular.Data()), with_singular);
+    for (size_t j = 0; j < t; j++)
+      for (size_t k = 0; k < D; k++)
+        {
+          elmat.Col(D*n+j).Range(k*n, (k+1)*n) += with_singular.Col(D*j+k);
+          elmat.Row(D*n+j).Range(k*n, (k+1)*n) += with_singular.Col(D*j+k);
+        }
+    AddABt(singular, of_singular, elmat.Rows(D*n, D*n+t).Cols(D*n, D*n+t));
   }
 
-  shared_ptr<BilinearFormIntegrator> MakeStressPower (const CrackFESpace & space, shared_ptr<CoefficientFunction> lam, shared_ptr<CoefficientFunction> mu,
+  template <int D>
+  shared_ptr<BilinearFormIntegrator> MakeStressPower (const EnrichedSpace<D> & space, shared_ptr<CoefficientFunction> lam, shared_ptr<CoefficientFunction> mu,
                                                       const CutDifferentialSymbol & dx)
   {
     auto measure = dx.measure.With(space).With(*lam).With(*mu);
-    return WithOptions<BilinearFormIntegrator>(make_shared<StressPowerIntegrator>(lam, mu, measure), dx);
+    return WithOptions<BilinearFormIntegrator>(make_shared<StressPowerIntegrator<D>>(lam, mu, measure), dx);
   }
+
+  template shared_ptr<BilinearFormIntegrator> MakeStressPower (const EnrichedSpace<2> &, shared_ptr<CoefficientFunction>, shared_ptr<CoefficientFunction>, const CutDifferentialSymbol &);
+  template shared_ptr<BilinearFormIntegrator> MakeStressPower (const EnrichedSpace<3> &, shared_ptr<CoefficientFunction>, shared_ptr<CoefficientFunction>, const CutDifferentialSymbol &);
 }

@@ -1,18 +1,19 @@
 #pragma once
-// ∫ σ(u):ε(v) of an isotropic material on V_h. The two vector functions of a scalar one share its gradient, so that products of gradients
-// are taken once: a third of the work of a symbolic form, which knows a 4 × 4 tensor at each point only.
+// ∫ σ(u):ε(v) of an isotropic material on V_h. The vector functions of a scalar one share its gradient, so that products of gradients
+// are taken once: in the plane a third of the work of a symbolic form, which knows a 4 × 4 tensor at each point only.
 
 #include "forms/cut_integral.hpp"
-#include "spaces/crack_fespace.hpp"
+#include "spaces/enriched_space.hpp"
 
 namespace ngsxfem_contact
 {
   /// ∫ λ div u div v + 2μ ε(u):ε(v), λ and μ functions of the place.
+  template <int D>
   class StressPowerIntegrator : public ngfem::BilinearFormIntegrator
   {
     shared_ptr<CoefficientFunction> lam, mu;
     CachedRules rules;
-    CrackDiffOp gradient { 1, Trace::Position, VOL };
+    CrackDiffOp<D> gradient { 1, Trace::Position, VOL };
 
   public:
     StressPowerIntegrator (shared_ptr<CoefficientFunction> alam, shared_ptr<CoefficientFunction> amu, Measure measure)
@@ -26,10 +27,11 @@ namespace ngsxfem_contact
                                bool & symmetric_so_far, LocalHeap & lh) const override;
 
   private:
-    void AddPoints (const CrackFiniteElement & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::FlatMatrix<double> elmat, LocalHeap & lh) const;
+    void AddPoints (const CrackFiniteElement<D> & fel, const ngfem::SIMD_BaseMappedIntegrationRule & mir, ngbla::FlatMatrix<double> elmat, LocalHeap & lh) const;
   };
 
   /// For the element matrices of a form on the space.
-  shared_ptr<ngfem::BilinearFormIntegrator> MakeStressPower (const CrackFESpace & space, shared_ptr<CoefficientFunction> lam, shared_ptr<CoefficientFunction> mu,
+  template <int D>
+  shared_ptr<ngfem::BilinearFormIntegrator> MakeStressPower (const EnrichedSpace<D> & space, shared_ptr<CoefficientFunction> lam, shared_ptr<CoefficientFunction> mu,
                                                              const CutDifferentialSymbol & dx);
 }

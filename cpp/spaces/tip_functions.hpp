@@ -3,13 +3,10 @@
 
 #include "cut/disk.hpp"
 #include "curve/tip_curve.hpp"
-#include <fem.hpp>
+#include "spaces/plane_modes.hpp"
 
 namespace ngsxfem_contact
 {
-  using ngfem::AutoDiff;
-  using ngcore::SIMD;
-
   enum class CutOff { Cubic, Quintic };          // χ is C¹ or C²
   enum class TipBasis { Branch, Modes };          // the 4 functions (8) for each component; the 2 vector fields (b), (c)
 
@@ -159,26 +156,6 @@ namespace ngsxfem_contact
       field = { c*field[0] - s*field[1], s*field[0] + c*field[1] };
     }
 
-    /// √r cos(θ/2), √r sin(θ/2) and their gradients: √r cos(θ/2) = √((r+x)/2), no digits lost where x < 0.
-    template <typename T>
-    static std::pair<AutoDiff<2,T>, AutoDiff<2,T>> HalfAngle (AutoDiff<2,T> x, AutoDiff<2,T> y, T r, int forced)
-    {
-      T one(1.);
-      T sign = forced ? T(double(forced)) : IfPos(y.Value(), one, IfPos(-y.Value(), -one, one));
-      T absx = IfPos(x.Value(), x.Value(), -x.Value()), absy = IfPos(y.Value(), y.Value(), -y.Value());
-      T large = sqrt(0.5*(r+absx)), small = 0.5*absy/large;
-      AutoDiff<2,T> C, S;
-      C.Value() = IfPos(x.Value(), large, small);
-      S.Value() = sign * IfPos(x.Value(), small, large);
-      T half_r = 0.5/r;
-      for (int i = 0; i < 2; i++)
-        {
-          C.DValue(i) = half_r * (C.Value()*x.DValue(i) + S.Value()*y.DValue(i));
-          S.DValue(i) = half_r * (C.Value()*y.DValue(i) - S.Value()*x.DValue(i));
-        }
-      return { C, S };
-    }
-
     /// The 4 functions of (8), each in the x and in the y component: 8 vector fields, turned with the crack.
     template <typename T>
     void EvaluateBranch (AutoDiff<2,T> chi, AutoDiff<2,T> C, AutoDiff<2,T> S, AutoDiff<2,T> sine, AutoDiff<2,T> r, Vec<2,AutoDiff<2,T>> * values) const
@@ -197,11 +174,8 @@ namespace ngsxfem_contact
     template <typename T>
     void EvaluateModes (AutoDiff<2,T> chi, AutoDiff<2,T> C, AutoDiff<2,T> S, AutoDiff<2,T> r, Vec<2,AutoDiff<2,T>> * values) const
     {
-      double scale = 1. / (2*spec.mu*sqrt(2*M_PI)), kappa = spec.kappa;
-      AutoDiff<2,T> c2 = C*C/r, s2 = S*S/r;
-      std::array<std::array<AutoDiff<2,T>,2>,2> field
-        { { { C*(kappa-1. + 2.*s2), S*(kappa+1. - 2.*c2) },
-            { S*(kappa+1. + 2.*c2), -1.*C*(kappa-1. - 2.*s2) } } };
+      double scale = 1. / (2*spec.mu*sqrt(2*M_PI));
+      auto field = PlaneModes(C, S, r, spec.kappa);
       if (!curve.IsStraight())
         for (auto & f : field) TurnFrame(r, f);
       for (int m = 0; m < 2; m++)

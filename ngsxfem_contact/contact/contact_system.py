@@ -9,18 +9,17 @@ import numpy as np
 import scipy
 from ngsolve import BilinearForm, GridFunction, LinearForm, Parameter
 
-from .. import _ngsxfem_contact as core
 from ..algebra.matrices import assembled, mask
 from ..spaces.exchange import exchange_of
+from ..spaces.forms import bilinear_form
 from ..spaces.incompressible import add_stress_power
-from ..spaces.trace_space import TraceNodes
+from ..spaces.trace_space import trace_nodes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackBilinearForm
     from ..loads.load import LoadTerms
     from ..operators import Component
     from ..protocols import Cone, Nodes
@@ -84,7 +83,7 @@ class ContactSystem:
         if self.gamma is not None:
             stiffness += V.share.Own(-self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack)
             mass = assembled(BilinearForm(self.gamma * lam * mu * self.dcrack), self.numbers)
-        self.nodes, self.stiffness = TraceNodes(W), stiffness.Assemble().mat
+        self.nodes, self.stiffness = trace_nodes(W), stiffness.Assemble().mat
         self.E = scipy.sparse.vstack([self._coupling(problem, component) for component in self.components], format="csr")
         self.D = scipy.sparse.block_diag([mass] * len(self.components), format="csr")
 
@@ -157,9 +156,9 @@ class ContactSystem:
         return self.E @ U + self.D @ L
 
 
-def stiffness_form(problem: ContactProblem) -> CrackBilinearForm:
+def stiffness_form(problem: ContactProblem) -> BilinearForm:
     """a(u, v) with the terms of problem.a, not assembled."""
-    form = core.CrackBilinearForm(problem.V, symmetric=True)
+    form = bilinear_form(problem.V)
     own = problem.V.share.OwnOf(None)
     add_stress_power(form, problem.material, problem.body.dx if own is None else problem.body.dx(definedonelements=own))
     problem.a.AddTo(form)

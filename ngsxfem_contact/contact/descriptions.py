@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
 
+from .. import _ngsxfem_contact as core
 from ..description import joined, numbered
 
 if TYPE_CHECKING:
@@ -22,7 +24,7 @@ def of_problem(problem: ContactProblem) -> Lines:
     loads += [numbered(len(problem.a.terms), "term") + " in a"] if problem.a.terms else []
     loads += ["given stresses"] if problem.initial.given else []
     return [
-        ("body", f"{numbered(body.mesh.ne, 'triangle')}, {numbered(len(body.cracks), 'crack')}, {numbered(len(body.tips), 'tip')}"),
+        ("body", ", ".join(parts_of(body))),
         ("spaces", f"order {V.order} with {V.ndof} unknowns, multiplier of order {problem.W.order} with {problem.W.ndof}"),
         ("material", str(problem.material)),
         ("law", str(problem.law)),
@@ -30,6 +32,18 @@ def of_problem(problem: ContactProblem) -> Lines:
         ("loads", joined(loads)),
         ("supports", joined(supports)),
     ]
+
+
+@singledispatch
+def parts_of(body: Any) -> list[str]:
+    """How many elements, cracks and tips a body has."""
+    return [numbered(body.mesh.ne, "triangle"), numbered(len(body.cracks), "crack"), numbered(len(body.tips), "tip")]
+
+
+@parts_of.register(core.CrackedSolid)
+def parts_of_solid(body: core.CrackedSolid) -> list[str]:
+    """In space elements, sheets and fronts."""
+    return [numbered(body.mesh.ne, "tetrahedron", "tetrahedra"), numbered(len(body.cracks), "sheet"), numbered(len(body.fronts), "front")]
 
 
 def of_solution(solution: ContactSolution) -> Lines:

@@ -14,7 +14,7 @@ from ngsolve import BitArray
 
 from ..algebra.matrices import csr_view, mask
 from ..errors import SingularSystem
-from ..spaces.connectivity import FreeMotions, RigidMotions, without_effect
+from ..spaces.connectivity import FreeMotions, RigidMotions, in_words, without_effect
 from ..spaces.unknowns import Unknowns
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class PinnedMotions:
     R
         (V.ndof, r), each motion in units of the size of its part.
     centres
-        (number, 2), of the parts of the body that move.
+        (number, dimension), of the parts of the body that move.
 
     Raises
     ------
@@ -45,7 +45,7 @@ class PinnedMotions:
     """
 
     def __init__(self, problem: ContactProblem) -> None:
-        self.R, self.centres = np.zeros((problem.V.ndof, 0)), np.zeros((0, 2))
+        self.R, self.centres = np.zeros((problem.V.ndof, 0)), np.zeros((0, problem.V.mesh.dim))
         free = free_motions(problem)
         if free is None:
             return
@@ -87,4 +87,4 @@ class PinnedMotions:
     @property
     def notes(self) -> list[str]:
         """A sentence for each part."""
-        return [f"the part of the body around ({x:g}, {y:g}) is held by the faces of cracks alone" for x, y in self.centres]
+        return [f"the part of the body around {in_words(centre)} is held by the faces of cracks alone" for centre in self.centres]

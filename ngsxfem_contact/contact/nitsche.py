@@ -270,7 +270,7 @@ def dilatation_rows(problem: ContactProblem, nodes: CrackPoints, gradient: list[
 
 def joint_rows(problem: ContactProblem, joint: Joint, nodes: CrackPoints) -> Iterator[csr_matrix]:
     """What the joint adds to R at the points, for each component a sparse matrix."""
-    columns = [joint.Tractions(u) for pair in unit_limits() for u in pair]
+    columns = [joint.Tractions(u) for pair in unit_limits(2) for u in pair]
     rows = [row for operator in ("plus", "minus") for row in nodes.Rows(problem.V, operator)]
     for component in problem.law.components:
         yield sum(scipy.sparse.diags(nodes.Values(t.Shift(component, "larger", problem.body))) @ row for t, row in zip(columns, rows))

@@ -19,6 +19,7 @@ from ..operators import NORMAL, Gradient, Minus, Plus
 from ..protocols import FaceLaw, LawAtNodes, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
+from ..spaces.sheet_trace_space import SheetTraceSpace
 from .cones import CONES
 from .contact_system import ContactSystem
 from .descriptions import of_problem
@@ -27,6 +28,7 @@ from .mixed_system import MixedSystem
 from .nodal_law import LawByCrack, NodalLaw
 from .options import Start, StepOptions
 from .problem_data import check_modes, given_stresses, law_of, material_of
+from .solids import check_supported
 from .solution import ContactSolution
 from .solver import ReducedProblem
 from .stabilisation import BarbosaHughes, Unstabilised, softened, trait
@@ -108,8 +110,8 @@ class ContactProblem(Described):
         temperature: Coefficient | None = None,
         friction: FaceLaw | None = None,
     ) -> None:
-        check_type(V, core.CrackFESpace, "ContactProblem: V", "a CrackFESpace")
-        check_type(W, core.TraceSpace, "ContactProblem: W", "a TraceSpace")
+        check_type(V, core.CrackFESpace | core.SolidFESpace, "ContactProblem: V", "a CrackFESpace")
+        check_type(W, core.TraceSpace | SheetTraceSpace, "ContactProblem: W", "a TraceSpace")
         if V.body is not W.body:
             raise ValueError("ContactProblem: V and W belong to different CrackedMesh objects; build both on one body")
         if cone not in list(CONES):
@@ -125,6 +127,7 @@ class ContactProblem(Described):
         V.share.Refuse("A nearly incompressible material", material.nearly_incompressible)
         decide(V, material)
         check_modes(V, material)
+        check_supported(V, material, stabilisation, friction if law is None else law)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
         self.stabilisation: Stabilisation = stabilisation if stabilisation is not None and V.body.cracks else Unstabilised()
@@ -195,17 +198,19 @@ class ContactProblem(Described):
         p = check_function(p, "FacePressure: p", 1)
         self.FaceTraction(p * self.body.normal, -1 * p * self.body.normal, crack, bonus_intorder)
 
-    def FaceTraction(self, plus: Any = (0, 0), minus: Any = (0, 0), crack: int | str | None = None, bonus_intorder: int = 0) -> None:
-        """Adds tractions on the plus and on the minus face, forces on the body for each unit of length: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
+    def FaceTraction(self, plus: Any = 0, minus: Any = 0, crack: int | str | None = None, bonus_intorder: int = 0) -> None:
+        """Adds tractions on the plus and on the minus face, forces on the body for each unit of length, in space of area: ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks.
 
         Parameters
         ----------
         plus, minus
-            CoefficientFunctions with two components or tuples, stresses.
+            Vectors, CoefficientFunctions or tuples, stresses; 0: none.
         crack, bonus_intorder
             As for FacePressure.
         """
-        plus, minus = (check_function(t, f"FaceTraction: {name}", 2) for t, name in ((plus, "plus"), (minus, "minus")))
+        zero, components = (0,) * self.V.mesh.dim, self.V.mesh.dim
+        given = (("plus", zero if is_zero(plus) else plus), ("minus", zero if is_zero(minus) else minus))
+        plus, minus = (check_function(t, f"FaceTraction: {name}", components) for name, t in given)
         number = None if crack is None else crack_number(crack, self.body)
         v, measure = self.V.TestFunction(), self.body.dcrack(crack=number, bonus_intorder=bonus_intorder)
         traction = (plus * Plus(v) + minus * Minus(v)) * measure
@@ -232,10 +237,10 @@ class ContactProblem(Described):
 
         Parameters
         ----------
-        point : (x, y)
+        point : (x, y) or (x, y, z)
             A vertex of the mesh.
         components : str
-            "x", "y" or "xy".
+            "x", "y" or "xy", in space also "z", "yz", ...
         value : float or tuple
             The displacement, a length: one number, or one for each component; default 0.
 
@@ -255,7 +260,7 @@ class ContactProblem(Described):
         Parameters
         ----------
         value
-            CoefficientFunction with two components or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on the region
+            CoefficientFunction, a vector, or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on the region
             before is replaced.
         region : str
             Names of boundaries, a regular expression.
@@ -354,3 +359,8 @@ class ContactProblem(Described):
             As for Solve.
         """
         return ReducedProblem(self, inverse)
+
+
+def is_zero(value: Any) -> bool:
+    """Whether a traction is the number 0."""
+    return isinstance(value, (int, float)) and value == 0

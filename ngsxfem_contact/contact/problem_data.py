@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import singledispatch
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +12,9 @@ from ngsolve import CoefficientFunction, dx
 
 from .. import _ngsxfem_contact as core
 from ..arguments import check_function, check_type, crack_number, crack_title
-from ..material import Isotropic
+from ..material import Isotropic, check_form
 from ..protocols import FaceLaw, LawAtNodes, check_role
+from ..spaces.solid_fespace import SolidFESpace
 from .friction import Frictionless
 from .nodal_law import LawByCrack
 
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace
 
 
+@singledispatch
 def check_modes(V: CrackFESpace, material: Isotropic) -> None:
     """Raises ValueError if V has tip modes of another material: their lips would carry tractions."""
     for tip, spec in zip(V.body.tips, V.tip_specs):
@@ -29,6 +32,9 @@ def check_modes(V: CrackFESpace, material: Isotropic) -> None:
             here = material.At(V.mesh, tip.point)
             if not np.allclose((spec.kappa, spec.mu), (here.kappa, here.mu), rtol=1e-12, atol=0):
                 raise ValueError(f"ContactProblem: the tip modes of V belong to another material than {here}; pass the same to TipEnrichment(material=...)")
+
+
+check_modes.register(SolidFESpace, SolidFESpace.CheckModes)
 
 
 def given_stresses(material: Isotropic, initial_stress: Any, temperature: Any) -> Iterator[CoefficientFunction]:
@@ -74,6 +80,7 @@ def material_of(V: CrackFESpace, material: Isotropic | None) -> Isotropic:
     if chosen is None:
         raise TypeError("ContactProblem: there is no material; give CrackFESpace(..., material=Elasticity...), or ContactProblem(V, W, material)")
     check_type(chosen, Isotropic, "ContactProblem: material", "an Elasticity")
+    check_form(chosen, V.body, "ContactProblem: material")
     if own is not None and chosen.regions != own.regions:
         raise ValueError(f"ContactProblem: material={chosen} is another one than {own} of CrackFESpace(material=...); say it once, to V")
     return chosen

@@ -11,8 +11,10 @@ from ngsolve import GridFunction, Id, Integrate
 from ..algebra.nodal_newton import FREE
 from ..arguments import check_regions, check_whole, crack_number
 from ..description import Described
+from ..errors import NotSaved
 from ..loads.load import LoadTerms, check_unchanged
-from ..operators import NORMAL
+from ..operators import NORMAL, NormalGap
+from ..sheets import check_plane
 from ..spaces.incompressible import stress, stress_power
 from .at_tips import AtTips
 from .descriptions import of_solution
@@ -133,7 +135,7 @@ class ContactSolution(Described, AtTips, OfErrors):
 
     @property
     def stress(self) -> CoefficientFunction:
-        """σ(u) + σ⁰, a 2 × 2 CoefficientFunction: with initial stress, temperature, and the stresses that terms in Grad(v) give."""
+        """σ(u) + σ⁰, a square matrix (CoefficientFunction): with initial stress, temperature, and the stresses that terms in Grad(v) give."""
         return self.StressAt(None)
 
     def StressAt(self, side: str | None) -> CoefficientFunction:
@@ -166,7 +168,7 @@ class ContactSolution(Described, AtTips, OfErrors):
             A 2 × 2 matrix.
         """
         elastic = stress(self.problem.material, self.u, side)
-        return elastic if self._pressure is None else elastic + self._pressure.At(side) * Id(2)
+        return elastic if self._pressure is None else elastic + self._pressure.At(side) * Id(self.body.mesh.dim)
 
     @cached_property
     def _pressure(self) -> PressureField | None:
@@ -196,6 +198,22 @@ class ContactSolution(Described, AtTips, OfErrors):
         """
         return self._along(self.multiplier, crack)
 
+    def ContactArea(self, crack: int | str = 0) -> float:
+        """The length of a crack, in space the area of a sheet, of the nodes in contact, with their weights ∫ψ_i.
+
+        Raises
+        ------
+        ValueError
+            For a crack that is not there.
+        """
+        nodes, number = self.state.nodes, crack_number(crack, self.body)
+        return float(nodes.weights[self.report.active[-1] & (nodes.cracks == number)].sum())
+
+    @property
+    def gap(self) -> CoefficientFunction:
+        """g_n + g_0 on the cracks, a CoefficientFunction: how far the faces are apart."""
+        return NormalGap(self.u, self.body) + self.problem.gap
+
     def TangentialForce(self, crack: int | str = 0) -> float:
         """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction.
 
@@ -221,12 +239,12 @@ class ContactSolution(Described, AtTips, OfErrors):
         return supports.Forces(self.stress)
 
     def Reaction(self, place: str | Sequence[float]) -> np.ndarray:
-        """(F_x, F_y), an array: the force that the supports exert on the body, stress × length.
+        """(F_x, F_y), in space (F_x, F_y, F_z), an array: the force that the supports exert on the body.
 
         Parameters
         ----------
         place
-            A boundary region, without the pins on it, or the point (x, y) of a pin. The force on a corner that two regions hold is divided between them as σn
+            A boundary region, without the pins on it, or the point of a pin. The force on a corner that two regions hold is divided between them as σn
             on either side says.
 
         Raises
@@ -275,6 +293,7 @@ class ContactSolution(Described, AtTips, OfErrors):
         ValueError
             For a crack that is not there and for n < 2.
         """
+        check_plane(self.body, "Profile")
         check_whole(n, "Profile: n", 2)
         return profile(self, crack_number(crack, self.body), n)
 
@@ -294,13 +313,14 @@ class ContactSolution(Described, AtTips, OfErrors):
             "plus", "minus" or "larger".
         """
         traction = self._compared(component, side)
-        return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(2), self.body)
+        return traction if self._pressure is None else traction + component.traction(self._pressure.At(side) * Id(self.body.mesh.dim), self.body)
 
     def _compared(self, component: Component, side: str | None) -> CoefficientFunction:
         return self.problem.ComparedTraction(self.a).Of(self.u, component, side) + self.load.Shift(component, side, self.body)
 
     def Transitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
+        check_plane(self.body, "Transitions")
         return self._changes(self.report.active[-1], crack)
 
     def SlipTransitions(self, crack: int | str = 0) -> np.ndarray:
@@ -332,6 +352,7 @@ class ContactSolution(Described, AtTips, OfErrors):
         """
         from ..plotting.plots import draw
 
+        check_plane(self.body, "Draw")
         return draw(self, **options)
 
     def SaveVTK(self, path: str | Path) -> str:
@@ -351,6 +372,7 @@ class ContactSolution(Described, AtTips, OfErrors):
         """
         from ..plotting.plots import save_vtk
 
+        check_plane(self.body, "SaveVTK")
         return save_vtk(self, path)
 
     def Save(self, path: str | Path) -> Path:
@@ -377,6 +399,7 @@ class ContactSolution(Described, AtTips, OfErrors):
         from .saved import save
 
         self.problem.V.share.Refuse("Save")
+        check_plane(self.body, "Save", NotSaved)
         return save(self, path)
 
     @staticmethod

@@ -29,6 +29,7 @@ from .nodal_law import gives_way
 from .options import StepOptions
 from .profile import State
 from .report import Report, stage
+from .solids import check_size
 from .solution import ContactSolution
 from .stabilisation import local_moduli
 
@@ -77,6 +78,7 @@ class ReducedProblem:
         self.exchange = exchange_of(problem.V)
         self.number = self.exchange.Count(problem.V.ndof)
         size = f"{self.number} displacement unknowns"
+        check_size(problem.V, problem.W)
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             self.motions = PinnedMotions(problem)
             problem.supports.Check()

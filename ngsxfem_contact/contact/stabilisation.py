@@ -8,6 +8,7 @@ that ∫γ R_h(v)² diverges: with them γ falls linearly to zero within h_T of 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from .. import _ngsxfem_contact as core
 from ..arguments import check_number, check_positive
 from ..loads.face_traction import ComparedTraction
 from ..operators import NORMAL
+from ..points import element_regions
 from ..protocols import Stabilisation
 from ..spaces.incompressible import WithoutPressure, add_stress_power, is_projected
 from ..spaces.unknowns import Unknowns
@@ -217,7 +219,7 @@ def numbers_and_sizes(body: CrackedMesh) -> tuple[np.ndarray, np.ndarray]:
 def materials_of(V: CrackFESpace, material: Isotropic | WithoutPressure) -> list[Any]:
     """The Elasticity in each of crack_elements."""
     numbers, _ = numbers_and_sizes(V.body)
-    return [material.InRegion(int(i) - 1) for i in V.mesh.ngmesh.Elements2D().NumPy()["index"][numbers]]
+    return [material.InRegion(int(i)) for i in element_regions(V.mesh)[numbers]]
 
 
 def local_moduli(V: CrackFESpace, material: Isotropic) -> np.ndarray:
@@ -277,11 +279,23 @@ def trace_constants(V: CrackFESpace, material: Isotropic | WithoutPressure, comp
     They are kept with V.
     """
     known = V.__dict__.setdefault("_trace_constants", {})
-    key = material, tuple(components), tuple((spec.kappa, spec.mu) for spec in V.tip_specs if spec is not None)
+    key = material, tuple(components), constants_of_modes(V)
     if key not in known:
         ratios = [_largest_ratios(V, material, components, crack) for crack in range(len(V.body.cracks))]
         known[key] = sharing_cracks(V.body) * numbers_and_sizes(V.body)[1] * np.concatenate(ratios)
     return known[key]
+
+
+@singledispatch
+def constants_of_modes(V: CrackFESpace) -> tuple[tuple[float, float], ...]:
+    """(κ, μ) of what is singular in a space."""
+    return tuple((spec.kappa, spec.mu) for spec in V.tip_specs if spec is not None)
+
+
+@constants_of_modes.register(core.SolidFESpace)
+def constants_at_fronts(V: core.SolidFESpace) -> tuple[tuple[float, float], ...]:
+    """Of the fronts."""
+    return () if V.front_spec is None else tuple(V.front_spec.materials)
 
 
 def _largest_ratios(V: CrackFESpace, material: Isotropic | WithoutPressure, components: Sequence[Component], crack: int) -> np.ndarray:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import BND
 
-from .._ngsxfem_contact import EndKind
+from .._ngsxfem_contact import CrackedSolid, EndKind
+from ..points import boundary_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,6 +23,12 @@ BESIDE = 1e-6  # of an edge: how far beside a mouth a given displacement is read
 AT = 1e-8  # of an edge: a mouth nearer to a vertex is at the vertex
 
 
+@singledispatch
+def boundary_samples(body: Any) -> BoundarySamples:
+    """Those of a body."""
+    return BoundarySamples(body)
+
+
 class BoundarySamples:
     """The two ends of each boundary element and, beside them, a point on either side of each mouth.
 
@@ -31,17 +39,17 @@ class BoundarySamples:
     ----------
     mouths
         (number of the crack, arc length) of each.
-    length
-        Of the boundary elements.
+    size
+        The lengths of the boundary elements, in space their areas.
     """
 
-    def __init__(self, body: CrackedMesh) -> None:
+    def __init__(self, body: Any) -> None:
         self.body = body
         elements = list(body.mesh.Elements(BND))
         corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
         edges = body.mesh.ngmesh.Coordinates()[corners, :2]
         rows = [[number, xi, vertex, -1, 0] for number, ends in enumerate(corners) for vertex, xi in zip(ends, (1, 0))]
-        self.length = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
+        self.size = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
         self.mouths = list(mouths_of(body))
         for number, (crack, s) in enumerate(self.mouths):
             point = body.cracks[crack].PointAt(s)
@@ -59,21 +67,21 @@ class BoundarySamples:
     def Values(self, function: CoefficientFunction, region: int) -> np.ndarray:
         """A CoefficientFunction at the points of a region, NaN at the others: (rows, components)."""
         rows = self.region == region
-        n = np.count_nonzero(rows)
-        points = self.body.mesh(np.full(n, 0.5), np.zeros(n), VOL_or_BND=BND)
-        points["nr"], points["x"], points["y"] = self.element[rows], self.xi[rows], 0
         values = np.full((len(rows), function.dim), np.nan)
-        values[rows] = function(points).reshape(n, -1)
+        values[rows] = function(self._points(rows)).reshape(np.count_nonzero(rows), -1)
         return values
+
+    def _points(self, rows: np.ndarray) -> np.ndarray:
+        return boundary_points(self.body.mesh, self.element[rows], self.xi[rows])
 
     def Zero(self, region: int) -> np.ndarray:
         """Zero at the points of a region, NaN at the others."""
         return np.where(self.region == region, 0, np.nan)
 
-    def Lengths(self, region: int, functions: np.ndarray) -> np.ndarray:
-        """The length of the part of a region at the vertex of each φ_i; 1 for functions of edges, which belong to one region alone."""
+    def Sizes(self, region: int, functions: np.ndarray) -> np.ndarray:
+        """The size of the part of a region at the vertex of each φ_i; 1 for functions of edges, which in the plane belong to one region alone."""
         ends = np.flatnonzero((self.region == region) & (self.vertex >= 0))
-        of_vertex = np.bincount(self.vertex[ends], self.length[self.element[ends]], minlength=self.body.mesh.nv)
+        of_vertex = np.bincount(self.vertex[ends], self.size[self.element[ends]], minlength=self.body.mesh.nv)
         return np.where(functions < len(of_vertex), of_vertex[np.minimum(functions, len(of_vertex) - 1)], 1)
 
     def Corners(self) -> list[np.ndarray]:
@@ -106,6 +114,29 @@ class BoundarySamples:
         rows = np.flatnonzero((self.mouth == mouth) & (self.side == side))
         given = [sides[self.region[row], component].samples[row] for row in rows if (self.region[row], component) in sides]
         return given[0] if given else np.nan
+
+
+class SurfaceSamples(BoundarySamples):
+    """The three corners of each boundary triangle of a body in space. At mouths, where given displacements may jump, they are not looked at."""
+
+    def __init__(self, body: CrackedSolid) -> None:
+        self.body, self.mouths = body, []
+        elements = list(body.mesh.Elements(BND))
+        corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
+        a, b, c = np.moveaxis(body.mesh.ngmesh.Coordinates()[corners], 1, 0)
+        self.size = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        self.element, self.vertex = np.repeat(np.arange(len(corners)), 3), corners.ravel()
+        self.reference = np.tile([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], (len(corners), 1))
+        self.region = np.array([element.index for element in elements])[self.element]
+        at_mouths = np.unique(corners[[number for crack in range(len(body.cracks)) for number in body.CutBoundaryElements(crack)]])
+        self.mouth = np.where(np.isin(self.vertex, at_mouths), 0, -1)
+        self.side = np.zeros(len(self.vertex), dtype=int)
+
+    def _points(self, rows: np.ndarray) -> np.ndarray:
+        return boundary_points(self.body.mesh, self.element[rows], *self.reference[rows].T)
+
+
+boundary_samples.register(CrackedSolid, SurfaceSamples)
 
 
 def mouths_of(body: CrackedMesh) -> Iterator[tuple[int, float]]:

@@ -31,10 +31,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FaceTractions:
-    """t⁺ and t⁻, CoefficientFunctions with two components on the cracks: forces on the plus and on the minus face for each unit of length."""
+    """t⁺ and t⁻, vectors on the cracks (CoefficientFunctions): forces on the plus and on the minus face for each unit of length, in space of area."""
 
-    plus: CoefficientFunction = CF((0.0, 0.0))
-    minus: CoefficientFunction = CF((0.0, 0.0))
+    plus: CoefficientFunction
+    minus: CoefficientFunction
+
+    @staticmethod
+    def Zero(dimension: int) -> FaceTractions:
+        """No tractions."""
+        return FaceTractions(CF((0.0,) * dimension), CF((0.0,) * dimension))
 
     def __add__(self, other: FaceTractions) -> FaceTractions:
         return FaceTractions(self.plus + other.plus, self.minus + other.minus)
@@ -59,21 +64,21 @@ class Joint:
     """
 
     def __init__(self, terms: list[FormTerm]) -> None:
-        self.terms = terms
+        self.terms, self.dimension = terms, terms[0].body.mesh.dim
 
     def Tractions(self, u: CoefficientFunction) -> FaceTractions:
         """The FaceTractions of u: trial function, test function, GridFunction or `Limits`."""
-        return sum((self._of_term(term, u) for term in self.terms), FaceTractions())
+        return sum((self._of_term(term, u) for term in self.terms), FaceTractions.Zero(self.dimension))
 
     @staticmethod
     def _of_term(term: FormTerm, u: CoefficientFunction) -> FaceTractions:
         here, trial = restriction(term), replaced(term.trial, u.Operator)
-        sides = (CF(tuple(tested(term, v.Operator).Replace(trial)[0].coef for v in pair)) for pair in unit_limits())
+        sides = (CF(tuple(tested(term, v.Operator).Replace(trial)[0].coef for v in pair)) for pair in unit_limits(term.body.mesh.dim))
         return FaceTractions(*(-here * side for side in sides))
 
     def Stiffness(self) -> CoefficientFunction:
         """A bound of the largest eigenvalue of M, a CoefficientFunction in stress / length."""
-        tractions = [self.Tractions(u) for pair in unit_limits() for u in pair]
+        tractions = [self.Tractions(u) for pair in unit_limits(self.dimension) for u in pair]
         return sqrt(sum(InnerProduct(side, side) for t in tractions for side in (t.plus, t.minus)))
 
 

@@ -59,9 +59,12 @@ class LoadForm(LinearForm):
         self.V, self.given = V, []
 
     def __iadd__(self, form: Any) -> LoadForm:
-        self.V.share.Refuse("A point load", isinstance(form, fem.PointEvaluationFunctional))
-        given = [PointLoad(form)] if isinstance(form, fem.PointEvaluationFunctional) else self.V.share.Together(lambda: self._checked(form))
-        super().__iadd__(form if isinstance(form, fem.PointEvaluationFunctional) else self.V.share.Own(form))
+        is_point = isinstance(form, fem.PointEvaluationFunctional)
+        if is_point and self.V.mesh.dim == 3:
+            raise ValueError(f"{NAME_F}: point loads are there for plane bodies only; distribute the force over a part of the body or of its boundary")
+        self.V.share.Refuse("A point load", is_point)
+        given: list[Any] = [PointLoad(form)] if is_point else self.V.share.Together(lambda: self._checked(form))
+        super().__iadd__(form if is_point else self.V.share.Own(form))
         self.given += given
         return self
 
@@ -74,7 +77,10 @@ class LoadForm(LinearForm):
             raise ValueError(f"{NAME_F}: a linear form holds no trial function; springs and elastic joints are added to {NAME_A}")
         for term in terms:
             check_linear(term, NAME_F)
-        return [GivenTerm(term) for term in terms]
+        given = [GivenTerm(term) for term in terms]
+        if self.V.mesh.dim == 3 and any(one.stress is not None for one in given):
+            raise ValueError(f"{NAME_F}: given stresses, terms in Grad(v), are there for plane bodies only")
+        return given
 
     def Vector(self) -> np.ndarray:
         """F of (38), an array, additive."""
@@ -177,29 +183,30 @@ class LoadTerms:
     """Σ factor · given: what a solution was solved for, whatever is added to the problem's forms later."""
 
     parts: tuple[tuple[float, PointLoad | GivenTerm], ...] = ()
+    dimension: int = 2
 
     def __reduce__(self) -> Any:
-        return LoadTerms, (self.parts,)
+        return LoadTerms, (self.parts, self.dimension)
 
     @staticmethod
     def Of(form: LoadForm) -> LoadTerms:
         """What a LoadForm holds now."""
-        return LoadTerms(tuple((1.0, given) for given in form.given))
+        return LoadTerms(tuple((1.0, given) for given in form.given), form.V.mesh.dim)
 
     def __add__(self, other: LoadTerms) -> LoadTerms:
-        return LoadTerms(self.parts + other.parts)
+        return LoadTerms(self.parts + other.parts, self.dimension)
 
     def __rmul__(self, factor: float) -> LoadTerms:
-        return LoadTerms(tuple((factor * f, given) for f, given in self.parts))
+        return LoadTerms(tuple((factor * f, given) for f, given in self.parts), self.dimension)
 
     @cached_property
     def tractions(self) -> FaceTractions:
         """The FaceTractions that are given on the cracks."""
-        return sum((factor * given.tractions for factor, given in self.parts if given.tractions), FaceTractions())
+        return sum((factor * given.tractions for factor, given in self.parts if given.tractions), FaceTractions.Zero(self.dimension))
 
     @cached_property
     def stress(self) -> CoefficientFunction | None:
-        """The given stress σ⁰, a 2 × 2 CoefficientFunction, or None."""
+        """The given stress σ⁰, a square matrix, or None."""
         stresses = [factor * given.stress for factor, given in self.parts if given.stress is not None]
         return sum(stresses[1:], stresses[0]) if stresses else None
 

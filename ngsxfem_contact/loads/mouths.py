@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BND, BilinearForm, CoefficientFunction, GridFunction, IfPos, SurfaceL2, x, y
+from ngsolve import BND, BilinearForm, CoefficientFunction, GridFunction, IfPos, SurfaceL2, x, y, z
 
+from .._ngsxfem_contact import CrackedSolid
 from ..algebra.matrices import to_scipy
 
 if TYPE_CHECKING:
@@ -20,7 +22,8 @@ PROJECTION_BONUS = 4  # of the rules' order, one for both sides of the projectio
 SHORT = 1e-4  # of an edge: on a shorter part only the functions of the vertex in it are given
 
 
-def mouth_weight(body: CrackedMesh, power: int = 3) -> CoefficientFunction:
+@singledispatch
+def mouth_weight(body: Any, power: int = 3) -> CoefficientFunction:
     """(ℓ/ℓ_s)³ on the shorter part, of length ℓ_s, of an edge of length 2ℓ that a crack cuts, 1 elsewhere; at most (ℓ/SHORT)³.
 
     On a short part the functions that live there alone would make up for the error that their neighbours have at its end,
@@ -35,6 +38,32 @@ def mouth_weight(body: CrackedMesh, power: int = 3) -> CoefficientFunction:
         extra = GridFunction(SurfaceL2(mesh, order=0))
         extra.vec[number] = (0.5 / max(short / length, SHORT if power == 3 else 0)) ** power - 1
         weight = weight * (1 + IfPos(short**2 - (x - a[0]) ** 2 - (y - a[1]) ** 2, extra, 0))
+    return weight
+
+
+@mouth_weight.register(CrackedSolid)
+def weight_on_surface(body: CrackedSolid, power: int = 3) -> CoefficientFunction:
+    """A/(2 A_s) t^{1 - power} on the smaller part, of area A_s, of a boundary triangle that a sheet divides, 1 elsewhere.
+
+    t ≤ 1 is the largest value on that part of the functions that live there alone, those of the corners beyond: their mass is A_s t².
+    """
+    mesh, weight = body.mesh, CoefficientFunction(1)
+    points = mesh.ngmesh.Coordinates()
+    corners = np.array([[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)])
+    for number, sheet in enumerate(body.cracks):
+        divided = np.array(body.CutBoundaryElements(number), dtype=int)
+        if not len(divided):
+            continue
+        height = sum((coordinate - o) * n for coordinate, o, n in zip((x, y, z), sheet.origin, sheet.normal))
+        of_corners = (points[corners[divided]] - sheet.origin) @ np.array(sheet.normal)
+        areas = np.array([body.BoundaryPartSizes(int(element)) for element in divided])
+        side = np.where(areas[:, 0] < areas[:, 1], 1.0, -1.0)
+        reach = np.array([of_corners.max(axis=1), -of_corners.min(axis=1)])
+        t = np.where(side > 0, reach[0], reach[1]) / reach.sum(axis=0)
+        extra, sides = GridFunction(SurfaceL2(mesh, order=0)), GridFunction(SurfaceL2(mesh, order=0))
+        extra.vec.FV().NumPy()[divided] = 0.5 * areas.sum(axis=1) / areas.min(axis=1) * np.maximum(t, SHORT if power == 3 else 0) ** (1 - power) - 1
+        sides.vec.FV().NumPy()[divided] = side
+        weight = weight * (1 + IfPos(sides * height, extra, 0))
     return weight
 
 

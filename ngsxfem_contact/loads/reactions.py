@@ -14,7 +14,7 @@ from ..spaces.unknowns import Unknowns
 from ..tables import Table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from ngsolve import CoefficientFunction, Mesh
 
@@ -56,50 +56,65 @@ class SupportForce:
     name
         As of its Holder.
     force
-        (F_x, F_y), stress × length.
+        (F_x, F_y), stress × length; in space (F_x, F_y, F_z), stress × area.
     moment
-        About the origin, stress × length².
+        About the origin, stress × length²; in space (M_x, M_y, M_z), stress × volume.
     point
         Of a pin.
     """
 
     name: str
     force: np.ndarray
-    moment: float
+    moment: float | np.ndarray
     point: tuple[float, ...] | None = None
 
 
 class SupportForces(list[SupportForce]):
     """SupportForce rows; prints as a table."""
 
+    def __init__(self, rows: Iterable[SupportForce] = (), dimension: int = 2) -> None:
+        super().__init__(rows)
+        self.dimension = dimension
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of the components."""
+        return ["F_x", "F_y", "moment"] if self.dimension == 2 else ["F_x", "F_y", "F_z", "M_x", "M_y", "M_z"]
+
     @property
     def table(self) -> Table:
-        """A Table with a row for each support: its name, F_x, F_y and moment. `total` is not among them."""
-        forces = np.array([row.force for row in self]).reshape(-1, 2)
-        return Table.Of({"support": [row.name for row in self], "F_x": forces[:, 0], "F_y": forces[:, 1], "moment": [row.moment for row in self]})
+        """A Table with a row for each support: its name, F_x, F_y and moment, in space F_x, F_y, F_z, M_x, M_y, M_z. `total` is not among them."""
+        values = np.array([components(row) for row in self]).reshape(-1, len(self.columns))
+        return Table.Of({"support": [row.name for row in self]} | dict(zip(self.columns, values.T)))
 
     @property
     def total(self) -> SupportForce:
         """The SupportForce of all: minus the resultant of the loads."""
-        return SupportForce("all", sum((row.force for row in self), np.zeros(2)), sum(row.moment for row in self))
+        no_moment: Any = 0.0 if self.dimension == 2 else np.zeros(3)
+        return SupportForce("all", sum((row.force for row in self), np.zeros(self.dimension)), sum((row.moment for row in self), no_moment))
 
     def OfBoundaries(self, names: set[str]) -> np.ndarray:
-        """(F_x, F_y) of the boundaries with some names, zero where they hold nothing."""
-        return sum((row.force for row in self if row.point is None and row.name in names), np.zeros(2))
+        """The force of the boundaries with some names, zero where they hold nothing."""
+        return sum((row.force for row in self if row.point is None and row.name in names), np.zeros(self.dimension))
 
     def OfPin(self, point: Sequence[float]) -> np.ndarray:
-        """(F_x, F_y) of the pin at a point; raises ValueError where there is none."""
+        """The force of the pin at a point; raises ValueError where there is none."""
         pins = [row for row in self if row.point is not None]
         for row in pins:
-            if np.shape(point) == (2,) and np.allclose(row.point, point, rtol=1e-8, atol=1e-8 * np.abs(row.point).max()):
+            if np.shape(point) == np.shape(row.point) and np.allclose(row.point, point, rtol=1e-8, atol=1e-8 * np.abs(row.point).max()):
                 return row.force
         raise ValueError(f"Reaction: {point!r} is neither the name of a boundary nor the point of a pin; there are {[row.point for row in pins] or 'no pins'}")
 
     def __str__(self) -> str:
         rows = [*self, self.total]
         width = max(len(row.name) for row in rows)
-        lines = [f"{row.name:{width}}  {row.force[0]:14.6g} {row.force[1]:14.6g} {row.moment:14.6g}" for row in rows]
-        return "\n".join([f"{'support':{width}}  {'F_x':>14} {'F_y':>14} {'moment':>14}", *lines])
+        lines = [" ".join([f"{row.name:{width}} ", *(f"{value:14.6g}" for value in components(row))]) for row in rows]
+        return "\n".join([" ".join([f"{'support':{width}} ", *(f"{name:>14}" for name in self.columns)]), *lines])
+
+
+def components(row: SupportForce) -> list[float]:
+    """Force and moment."""
+    return [*row.force, *np.atleast_1d(row.moment)]
 
 
 @dataclass(frozen=True)
@@ -155,14 +170,14 @@ class SupportResidual:
     def Forces(self, stress: CoefficientFunction) -> SupportForces:
         """The SupportForces; stress: σ(u), which says how the force on a corner is divided.
 
-        A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i and Σ y_i φ_i, and neither has a jump: their products
+        A translation is the sum of the functions of the vertices, a rotation that of Σ x_i φ_i, Σ y_i φ_i (and Σ z_i φ_i), and neither has a jump: their products
         with the residual are forces and moment, and only φ_i count.
         """
         V = self.V
         whole = Holder("springs and joints", np.arange(Unknowns(V).polynomial.stop)) if self.springs.any() else None
         held = [*zip(self.holders, self._divided(V, stress)), *([(whole, self.springs[whole.dofs])] if whole else [])]
         coordinates = interpolated_coordinates(V)
-        return SupportForces(support_force(V, coordinates, holder, forces) for holder, forces in held)
+        return SupportForces((support_force(V, coordinates, holder, forces) for holder, forces in held), V.mesh.dim)
 
     def _divided(self, V: CrackFESpace, stress: CoefficientFunction) -> list[np.ndarray]:
         """What each holder exerts on each of its unknowns: ∫ φ_i σn where holders meet, and its share of what is left."""
@@ -208,10 +223,10 @@ def corner_edge(mesh: Mesh, name: str, boundary_element: int, vertex: int) -> Co
 
 
 def interpolated_coordinates(V: CrackFESpace) -> np.ndarray:
-    """The coefficients of x and y in the functions φ_i, (2, n): on straight elements zero but for the vertices."""
-    coordinates = np.zeros((2, Unknowns(V).functions))
+    """The coefficients of x, y (and z) in the functions φ_i, (dimension, n): on straight elements zero but for the vertices."""
+    coordinates = np.zeros((V.mesh.dim, Unknowns(V).functions))
     if V.mesh.GetCurveOrder() <= 1:
-        coordinates[:, : V.mesh.nv] = V.mesh.ngmesh.Coordinates()[: V.mesh.nv, :2].T
+        coordinates[:, : V.mesh.nv] = V.mesh.ngmesh.Coordinates()[: V.mesh.nv, : V.mesh.dim].T
         return coordinates
     function = GridFunction(V.scalar_space)
     for row, coordinate in zip(coordinates, (x, y)):
@@ -222,11 +237,13 @@ def interpolated_coordinates(V: CrackFESpace) -> np.ndarray:
 
 def support_force(V: CrackFESpace, coordinates: np.ndarray, holder: Holder, forces: np.ndarray) -> SupportForce:
     """The SupportForce of a Holder; forces: on its unknowns."""
-    unknowns, force, moment = Unknowns(V), np.zeros(2), 0.0
-    for k, sign in ((0, -1), (1, 1)):
+    unknowns, d = Unknowns(V), V.mesh.dim
+    force, products = np.zeros(d), np.zeros((d, d))  # products: ∫ x_j f_k
+    for k in range(d):
         own = unknowns.Polynomial(k)
         mine = (holder.dofs >= own.start) & (holder.dofs < own.stop)
         functions = holder.dofs[mine] - own.start
         force[k] = forces[mine][functions < V.mesh.nv].sum()
-        moment += sign * float(coordinates[1 - k, functions] @ forces[mine])
-    return SupportForce(holder.name, force, moment, holder.point)
+        products[:, k] = coordinates[:, functions] @ forces[mine]
+    turns = products - products.T
+    return SupportForce(holder.name, force, float(turns[0, 1]) if d == 2 else np.array([turns[1, 2], turns[2, 0], turns[0, 1]]), holder.point)

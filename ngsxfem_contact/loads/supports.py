@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from ..arguments import check_function, check_regions, check_type
 from ..pickling import dofs_of, numbers_of
 from ..points import crack_points
 from ..spaces.unknowns import Unknowns
-from .boundary_samples import BoundarySamples
+from .boundary_samples import boundary_samples
 from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
 from .reactions import Holder, corner_edge
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackFESpace
     from .reactions import CornerEdge
 
-COMPONENTS = {"x": [0], "y": [1], "xy": [0, 1]}
+AXES = "xyz"
 TOLERANCE = 1e-5  # of the largest given displacement: what differs by less at one point is the same
 DEPENDENT = 1e-12  # of the mass of a trace: what is left of it beside the others is round-off
 ROUND_OFF = 1e-12  # of the largest moment of a value
@@ -69,11 +70,11 @@ class Supports:
 
     def __init__(self, V: CrackFESpace) -> None:
         self.V, self.given, self.free = V, GridFunction(V), BitArray(V.FreeDofs())
-        self.samples = BoundarySamples(V.body)
+        self.samples, self.dimension = boundary_samples(V.body), V.mesh.dim
         self._declared = {
             (region, k): HeldSide(dofs[k], np.zeros(len(dofs[k])), self.samples.Zero(region), explicit=False)
             for region, dofs in enumerate(V.BoundaryDofs())
-            for k in range(2)
+            for k in range(self.dimension)
             if V.HeldRegions(k)[region]
         }
         self.sides, self.pins = dict(self._declared), {}
@@ -91,16 +92,17 @@ class Supports:
 
     def Pin(self, point: Sequence[float], components: str, value: Any = 0) -> None:
         """See ContactProblem.Pin."""
-        if components not in COMPONENTS:
-            raise ValueError(f"Pin: components={components!r} is not one of {sorted(COMPONENTS)}")
+        named = component_numbers(self.dimension)
+        if components not in named:
+            raise ValueError(f"Pin: components={components!r} is not one of {sorted(named)}")
         vertex = self._vertex_at(point)
         self.V.share.Together(lambda: self._pin(point, vertex, components, value) if vertex >= 0 else None)
 
     def _pin(self, point: Sequence[float], vertex: int, components: str, value: Any) -> None:
-        if len(self.V.GetDofNrs(NodeId(VERTEX, vertex))) > 2:
+        if len(self.V.GetDofNrs(NodeId(VERTEX, vertex))) > self.dimension:
             raise ValueError(f"Pin: u may jump at the vertex {tuple(point)}, beside the crack; pin a vertex away from it")
         check_outside_of_disks(self.V, self.V.mesh[NodeId(VERTEX, vertex)].point)
-        self.PinVertex(vertex, dict(zip(COMPONENTS[components], pin_values(value, components))))
+        self.PinVertex(vertex, dict(zip(component_numbers(self.dimension)[components], pin_values(value, components))))
 
     def PinVertex(self, vertex: int, values: dict[int, float]) -> None:
         """Fixes components of u at a vertex, given by its number, at which u does not jump."""
@@ -108,17 +110,18 @@ class Supports:
         pins = {dofs[k]: (vertex, k, float(number)) for k, number in values.items()}
         for dof, pin in pins.items():
             if dof in self.pins and self.pins[dof][2] != pin[2]:
-                raise ValueError(f"Pin: u_{'xy'[pin[1]]} is given twice at {place(self.V, vertex)}: {self.pins[dof][2]:g}, and now {pin[2]:g}; pin it once")
+                raise ValueError(f"Pin: u_{AXES[pin[1]]} is given twice at {place(self.V, vertex)}: {self.pins[dof][2]:g}, and now {pin[2]:g}; pin it once")
         self._check_pins(pins, self._explicit())
         self.pins |= pins
         self._apply()
 
     def _vertex_at(self, point: Sequence[float]) -> int:
         """-1: one that other processes hold."""
-        if np.shape(point) != (2,) or not all(isinstance(coordinate, Real) for coordinate in point):
-            raise ValueError(f"Pin: {point!r} is not a point of the plane; give (x, y)")
-        vertices = self.V.mesh.ngmesh.Coordinates()[: self.V.mesh.nv, :2]
-        distance = np.hypot(*(vertices - np.asarray(point, dtype=float)).T)
+        if np.shape(point) != (self.dimension,) or not all(isinstance(coordinate, Real) for coordinate in point):
+            where, form = ("the plane", "(x, y)") if self.dimension == 2 else ("space", "(x, y, z)")
+            raise ValueError(f"Pin: {point!r} is not a point of {where}; give {form}")
+        vertices = self.V.mesh.ngmesh.Coordinates()[: self.V.mesh.nv, : self.dimension]
+        distance = np.linalg.norm(vertices - np.asarray(point, dtype=float), axis=1)
         nearest = int(np.argmin(distance))
         _, size, best = min(self.V.share.Gather((float(distance[nearest]), float(np.ptp(vertices, axis=0).max()), tuple(vertices[nearest].tolist()))))
         if not np.hypot(*np.subtract(best, point)) <= 1e-8 * size:
@@ -130,7 +133,7 @@ class Supports:
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
         function = value, region
-        value, components = given_components(value)
+        value, components = given_components(value, self.dimension)
         regions = np.flatnonzero(list(self.V.mesh.Boundaries(region).Mask())).tolist()
         self._check_declared(region, regions, components)
         values, short = projected_trace(self.V, value, region)
@@ -151,7 +154,7 @@ class Supports:
         for k in components:
             if any((number, k) not in self._declared for number in regions):
                 raise ValueError(
-                    f"SetDirichlet: u_{'xy'[k]} on {region!r} is not part of CrackFESpace(..., dirichlet=...) or of dirichlet{'xy'[k]}=; "
+                    f"SetDirichlet: u_{AXES[k]} on {region!r} is not part of CrackFESpace(..., dirichlet=...) or of dirichlet{AXES[k]}=; "
                     "declare it there, or give None for this component to leave it free"
                 )
 
@@ -175,7 +178,7 @@ class Supports:
         """Raises ValueError where two of the given displacements contradict each other."""
         self._check_pins(self.pins, self.sides)
         for rows in self.samples.Corners():
-            for k in range(2):
+            for k in range(self.dimension):
                 here = [(row, self.sides[self.samples.region[row], k]) for row in rows if (self.samples.region[row], k) in self.sides]
                 for (row, side), (other_row, other) in zip(here, here[1:]):
                     self._check_corner(k, (row, other_row), (side, other))
@@ -188,7 +191,7 @@ class Supports:
                 f"{value:g} on {name!r}{'' if side.explicit else ' (zero where SetDirichlet gives nothing)'}" for value, name, side in zip(values, names, sides)
             ]
             raise ValueError(
-                f"the given displacements contradict each other at {place(self.V, self.samples.vertex[rows[0]])}: u_{'xy'[k]} = {' and '.join(origin)}; "
+                f"the given displacements contradict each other at {place(self.V, self.samples.vertex[rows[0]])}: u_{AXES[k]} = {' and '.join(origin)}; "
                 "give both the same value there, or leave this component free on one of them"
             )
 
@@ -199,7 +202,7 @@ class Supports:
                 there = side.samples[at & (self.samples.region == region)]
                 if component == k and len(there) and differ(there[0], value, largest(side)):
                     raise ValueError(
-                        f"Pin and SetDirichlet: u_{'xy'[k]} at {place(self.V, vertex)} is pinned to {value:g} and given as {there[0]:g} on "
+                        f"Pin and SetDirichlet: u_{AXES[k]} at {place(self.V, vertex)} is pinned to {value:g} and given as {there[0]:g} on "
                         f"{self.V.mesh.GetBoundaries()[region]!r}; give both the same value"
                     )
 
@@ -207,7 +210,7 @@ class Supports:
         """What holds which functions φ_i, one Holder for each name of a boundary that holds and for each vertex that only a pin does."""
         unknowns = Unknowns(self.V)
         dofs = {key: side.dofs[side.dofs < unknowns.polynomial.stop] for key, side in self.sides.items()}
-        weights = {(region, k): self.samples.Lengths(region, dofs[region, k] - unknowns.Polynomial(k).start) for region, k in dofs}
+        weights = {(region, k): self.samples.Sizes(region, dofs[region, k] - unknowns.Polynomial(k).start) for region, k in dofs}
         total = np.zeros(unknowns.polynomial.stop)
         for key in dofs:
             total[dofs[key]] += weights[key]
@@ -225,6 +228,8 @@ class Supports:
     def CornerEdges(self) -> list[CornerEdge]:
         """The edges of boundaries beside the vertices at which they meet, as CornerEdges."""
         mesh, samples = self.V.mesh, self.samples
+        if self.dimension == 3:
+            return []  # forces on edges between regions are divided by areas
         rows = np.concatenate([np.zeros(0, dtype=int), *samples.Corners()])
         edges = [corner_edge(mesh, mesh.GetBoundaries()[samples.region[row]], samples.element[row], samples.vertex[row]) for row in rows]
         return [edge for edge in edges if edge is not None]
@@ -275,15 +280,21 @@ def differ(a: Any, b: Any, *sizes: Any) -> bool:
     return abs(a - b) > TOLERANCE * max(abs(a), abs(b), *sizes)
 
 
-def given_components(value: Any) -> tuple[CoefficientFunction, list[int]]:
+def component_numbers(dimension: int) -> dict[str, list[int]]:
+    """{"x": [0], "y": [1], "xy": [0, 1], ...}."""
+    some = [numbers for n in range(dimension) for numbers in combinations(range(dimension), n + 1)]
+    return {"".join(AXES[k] for k in numbers): list(numbers) for numbers in some}
+
+
+def given_components(value: Any, dimension: int) -> tuple[CoefficientFunction, list[int]]:
     """(CoefficientFunction with zero for None, the components that are given) of the value of SetDirichlet."""
-    components = [0, 1]
+    components = list(range(dimension))
     if isinstance(value, (tuple, list)):
         components = [k for k, part in enumerate(value) if part is not None]
         if not components:
             raise ValueError(f"SetDirichlet: value={value!r} gives no component; declare what is free by leaving it out of dirichlet=")
         value = tuple(0 if part is None else check_function(part, f"SetDirichlet: value[{k}]", 1) for k, part in enumerate(value))
-    return check_function(value, "SetDirichlet: value", 2), components
+    return check_function(value, "SetDirichlet: value", dimension), components
 
 
 def projected_trace(V: CrackFESpace, value: Any, region: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -294,9 +305,14 @@ def projected_trace(V: CrackFESpace, value: Any, region: Any) -> tuple[np.ndarra
     """
     weight, short = mouth_weight(V.body), short_traces(V, region)
     mass = boundary_mass(V, region, weight)
-    zero = Parameter(0)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
+    zero, components = Parameter(0), V.mesh.dim  # NGSolve drops a term with a value that is zero, and refuses the form that is left
     v = V.TestFunction()
-    load = LinearForm(weight * (value + CoefficientFunction((zero, zero))) * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS)).Assemble().vec.FV().NumPy()
+    load = (
+        LinearForm(weight * (value + CoefficientFunction((zero,) * components)) * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS))
+        .Assemble()
+        .vec.FV()
+        .NumPy()
+    )
     if not np.isfinite(load).all():
         raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
     diagonal = mass.diagonal()
@@ -341,4 +357,4 @@ def check_outside_of_disks(V: CrackFESpace, point: Sequence[float]) -> None:
 
 def place(V: CrackFESpace, vertex: int) -> str:
     """A vertex in words."""
-    return "({:g}, {:g})".format(*V.mesh[NodeId(VERTEX, int(vertex))].point)
+    return f"({', '.join(f'{coordinate:g}' for coordinate in V.mesh[NodeId(VERTEX, int(vertex))].point)})"

@@ -11,7 +11,7 @@ from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import mask
-from ..points import crack_points, mesh_points
+from ..points import boundary_points, element_regions, mesh_points, points_of_crack
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -90,20 +90,20 @@ class Limits:
 
 
 @cache
-def unit_vectors() -> list[CoefficientFunction]:
-    """(1, 0) and (0, 1)."""
-    return [CF(tuple(row)) for row in np.eye(2).tolist()]
+def unit_vectors(dimension: int) -> list[CoefficientFunction]:
+    """(1, 0) and (0, 1), or those of space."""
+    return [CF(tuple(row)) for row in np.eye(dimension).tolist()]
 
 
 @cache
-def unit_matrices() -> list[CoefficientFunction]:
-    """The 2 × 2 matrices with one 1, row by row."""
-    return [CF(tuple(row), dims=(2, 2)) for row in np.eye(4).tolist()]
+def unit_matrices(dimension: int) -> list[CoefficientFunction]:
+    """The square matrices with one 1, row by row."""
+    return [CF(tuple(row), dims=(dimension, dimension)) for row in np.eye(dimension**2).tolist()]
 
 
-def unit_limits() -> tuple[list[Limits], list[Limits]]:
-    """Limits that are unit vectors on one face and zero on the other: a pair for the plus face, a pair for the minus face."""
-    zero, units = CF((0.0, 0.0)), unit_vectors()
+def unit_limits(dimension: int) -> tuple[list[Limits], list[Limits]]:
+    """Limits that are unit vectors on one face and zero on the other: those on the plus face, those on the minus face."""
+    zero, units = CF((0.0,) * dimension), unit_vectors(dimension)
     return [Limits(e, zero) for e in units], [Limits(zero, e) for e in units]
 
 
@@ -137,14 +137,15 @@ def tested(term: FormTerm, operator: Callable[..., Any]) -> SumOfIntegrals:
 def coefficient_of_limits(term: FormTerm) -> tuple[CoefficientFunction, CoefficientFunction]:
     """(t⁺, t⁻) of a term ∫ t⁺·v⁺ + t⁻·v⁻ over the cracks, vectors; zero on cracks and elements that it is not taken over."""
     here = restriction(term)
-    return tuple(here * CF(tuple(tested(term, v.Operator)[0].coef for v in pair)) for pair in unit_limits())
+    return tuple(here * CF(tuple(tested(term, v.Operator)[0].coef for v in pair)) for pair in unit_limits(term.body.mesh.dim))
 
 
 def coefficient_of_gradient(term: FormTerm) -> CoefficientFunction | None:
-    """S of a term ∫ S:∇v, a 2 × 2 matrix, or None if there is no gradient in it; zero where it is not taken."""
+    """S of a term ∫ S:∇v, a square matrix, or None if there is no gradient in it; zero where it is not taken."""
     if not any(core.OperatorName(proxy) == "grad" for proxy in term.test):
         return None
-    return restriction(term) * CF(tuple(tested(term, {"grad": unit}.get)[0].coef for unit in unit_matrices()), dims=(2, 2))
+    d = term.body.mesh.dim
+    return restriction(term) * CF(tuple(tested(term, {"grad": unit}.get)[0].coef for unit in unit_matrices(d)), dims=(d, d))
 
 
 def restriction(term: FormTerm) -> CoefficientFunction:
@@ -175,7 +176,7 @@ def chosen_of(bits: BitArray | None, number: int) -> np.ndarray:
 def elements_of(term: FormTerm) -> np.ndarray:
     """The elements (of the boundary for a term over it) that a term is taken over, a boolean array."""
     mesh = term.body.mesh
-    index = np.array([el.index for el in mesh.Elements(BND)]) if term.on_boundary else mesh.ngmesh.Elements2D().NumPy()["index"] - 1
+    index = np.array([el.index for el in mesh.Elements(BND)]) if term.on_boundary else element_regions(mesh)
     chosen = chosen_of(term.elements, len(index))
     return chosen if term.regions is None else chosen & mask(term.regions)[index]
 
@@ -184,16 +185,12 @@ def sample_points(term: FormTerm, number: int = 12) -> np.ndarray:
     """NGSolve's mesh points at which a term is looked at: in the middle of some of its elements, on the boundary, or on a crack."""
     mesh, place = term.body.mesh, place_of(term)
     if place == "crack":
-        crack = term.crack or 0
-        length = term.body.cracks[crack].length
-        return crack_points(term.body, crack, (np.arange(number) + 0.37) / number * length)
+        return points_of_crack(term.body, term.crack or 0, number)
     chosen = np.flatnonzero(elements_of(term))
     chosen = chosen[np.unique(np.linspace(0, len(chosen) - 1, number).astype(int))] if len(chosen) else chosen
     if place != "boundary":
-        return mesh_points(mesh, chosen, np.full(len(chosen), 0.3), np.full(len(chosen), 0.4))
-    points = mesh(np.full(len(chosen), 0.5), np.zeros(len(chosen)), VOL_or_BND=BND)
-    points["nr"], points["x"], points["y"] = chosen, 0.3, 0.0
-    return points
+        return mesh_points(mesh, chosen, *(np.full(len(chosen), at) for at in (0.3, 0.4, 0.2)[: mesh.dim]))
+    return boundary_points(mesh, chosen, *(np.full(len(chosen), at) for at in (0.3, 0.4)[: mesh.dim - 1]))
 
 
 def values_of(term: FormTerm, points: Any, test: Callable[..., Any], trial: Any = None) -> np.ndarray:
@@ -227,7 +224,7 @@ def check_linear(term: FormTerm, name: str) -> None:
     except NotLookedInto:
         return  # it is a load all the same, where nobody has to know its coefficients
     fields = fields_of(term)
-    some, other = combined((0.7, 0.3, -0.5, 0.2), fields), combined((-0.4, 0.9, 0.6, -0.8), fields)
+    some, other = combined((0.7, 0.3, -0.5, 0.2, 0.4, -0.6), fields), combined((-0.4, 0.9, 0.6, -0.8, 0.5, 0.1), fields)
     as_test, as_trial = (lambda field: values_of(term, points, field, some)), (lambda field: values_of(term, points, some, field))
     for at in (as_test, as_trial) if term.trial else (as_test,):
         first, second = at(some), at(other)
@@ -249,6 +246,7 @@ def check_symmetric(term: FormTerm, name: str) -> None:
 
 def fields_of(term: FormTerm) -> list[Callable[..., Any]]:
     """Constant fields as functions of the operators' names: on a crack on one face at a time, elsewhere with a gradient of their own."""
+    d = term.body.mesh.dim
     if place_of(term) == "crack":
-        return [u.Operator for pair in unit_limits() for u in pair]
-    return [{"Id": e, "grad": g}.get for e, g in zip(unit_vectors(), unit_matrices())]
+        return [u.Operator for pair in unit_limits(d) for u in pair]
+    return [{"Id": e, "grad": g}.get for e, g in zip(unit_vectors(d), unit_matrices(d))]

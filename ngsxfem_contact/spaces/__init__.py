@@ -3,6 +3,18 @@
 from .._ngsxfem_contact import CrackBilinearForm
 from .crack_fespace import CrackFESpace, TipEnrichment
 from .interpolation import Interpolant, Projection
+from .sheet_trace_space import SheetTraceSpace
+from .solid_fespace import FrontEnrichment, SolidFESpace
 from .trace_space import TraceSpace
 
-__all__ = ["CrackBilinearForm", "CrackFESpace", "Interpolant", "Projection", "TipEnrichment", "TraceSpace"]
+__all__ = [
+    "CrackBilinearForm",
+    "CrackFESpace",
+    "FrontEnrichment",
+    "Interpolant",
+    "Projection",
+    "SheetTraceSpace",
+    "SolidFESpace",
+    "TipEnrichment",
+    "TraceSpace",
+]

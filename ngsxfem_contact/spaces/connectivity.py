@@ -11,12 +11,11 @@ import scipy
 from ngsolve import GridFunction
 
 from ..algebra.matrices import mask
+from ..points import element_vertices
 from .unknowns import Unknowns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from scipy.sparse import csr_matrix
 
     from .._ngsxfem_contact import CrackFESpace
     from ..loads.load import StiffnessForm
@@ -32,11 +31,11 @@ class VertexCopies:
     Attributes
     ----------
     corners
-        (n, 3), the copies at the corners of each part of an element, or of a whole one.
+        (n, 3), in space (n, 4), the copies at the corners of each part of an element, or of a whole one.
     element
         (n,) the element of each.
     labels
-        (n,) the part of the body to which it belongs: those are joined where they share two copies, an edge; one copy alone is a hinge.
+        (n,) the part of the body to which it belongs: those are joined where they share an edge, in space a face; fewer copies are a hinge.
     parts
         Their number.
     vertex
@@ -54,13 +53,13 @@ class VertexCopies:
             self.further.setdefault(int(self.vertex[copy]), []).append((copy, j))
         away, beside = self._elements()
         parts = list(self._parts(beside))
-        self.corners = np.concatenate([away[1], np.array([corners for _, corners in parts], dtype=int).reshape(-1, 3)])
+        self.corners = np.concatenate([away[1], np.array([corners for _, corners in parts], dtype=int).reshape(-1, away[1].shape[1])])
         self.element = np.concatenate([away[0], np.array([element for element, _ in parts], dtype=int)])
-        self.parts, self.labels = joined(V.share, self, *parts_joined_by_edges(self.corners, len(self.vertex)))
+        self.parts, self.labels = joined(V.share, self, *parts_joined_by_facets(self.corners, len(self.vertex)))
 
     def _elements(self) -> tuple[tuple[np.ndarray, np.ndarray], list[tuple[int, Any]]]:
-        """Numbers (n,) and vertices (n, 3) of elements away from the cracks; number and vertices of the others."""
-        vertices = self.V.mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
+        """Numbers (n,) and vertices, (n, 3) or (n, 4), of elements away from the cracks; number and vertices of the others."""
+        vertices = element_vertices(self.V.mesh)
         enriched = np.zeros(self.nv, dtype=bool)
         enriched[list(self.further)] = True
         beside = mask(self.V.body.CrackElements(None)) | enriched[vertices].any(axis=1)
@@ -74,15 +73,6 @@ class VertexCopies:
             for part in np.flatnonzero(np.array(sizes) > SLIVER * max(sizes)):
                 yield element, [next((copy for copy, factors in copies if factors[part]), vertex) for vertex, copies in zip(vertices, further)]
 
-    def Displacement(self, copy: int, component: int) -> csr_matrix:
-        """The row (1, ndof) that gives a component of the displacement of a copy."""
-        unknowns = Unknowns(self.V)
-        entries = {unknowns.Polynomial(component).start + int(self.vertex[copy]): 1.0}
-        if copy >= self.nv:
-            j = self.functions[copy - self.nv]
-            entries[unknowns.Heaviside(component).start + j] = -float(self.V.Heaviside(j)[1])
-        return scipy.sparse.csr_matrix((list(entries.values()), ([0] * len(entries), list(entries))), shape=(1, self.V.ndof))
-
     def AcrossCracks(self) -> Iterator[tuple[int, int, int]]:
         """(j, copy, copy): the coefficient of the j-th Heaviside function is the displacement of the first copy minus that of the second."""
         for copy, j in enumerate(self.functions, self.nv):
@@ -90,13 +80,16 @@ class VertexCopies:
             yield (j, vertex, copy) if side_of_vertex > 0 else (j, copy, vertex)
 
 
-def parts_joined_by_edges(corners: np.ndarray, copies: int) -> tuple[int, np.ndarray]:
-    """(number, labels) of the connected parts of triangles (n, 3) that share edges."""
-    n, following = len(corners), np.roll(corners, 1, axis=1)
-    edges = (np.minimum(corners, following).astype(np.int64) * copies + np.maximum(corners, following)).ravel()
-    order = np.argsort(edges)
-    shared = np.flatnonzero(np.diff(edges[order]) == 0)
-    pairs = order[shared] // 3, order[shared + 1] // 3
+def parts_joined_by_facets(corners: np.ndarray, copies: int) -> tuple[int, np.ndarray]:
+    """(number, labels) of the connected parts of triangles (n, 3) or tetrahedra (n, 4) that share edges, or faces."""
+    n, number = corners.shape
+    facets = np.zeros((n, number), dtype=np.int64)
+    for k in range(number):  # without the k-th corner
+        for corner in np.sort(np.delete(corners, k, axis=1), axis=1).T:
+            facets[:, k] = facets[:, k] * copies + corner
+    order = np.argsort(facets.ravel())
+    shared = np.flatnonzero(np.diff(facets.ravel()[order]) == 0)
+    pairs = order[shared] // number, order[shared + 1] // number
     return scipy.sparse.csgraph.connected_components(scipy.sparse.coo_matrix((np.ones(len(shared), dtype=bool), pairs), shape=(n, n)), directed=False)
 
 
@@ -134,13 +127,22 @@ def number_of_repeat(names: list[Any]) -> list[int]:
 
 
 class RigidMotions:
-    """Two translations and a turn for each part of a body, about its centre, in units of its size; what hinges and supports ask of them."""
+    """Translations and turns of each part of a body, about its centre, in units of its size; what hinges and supports ask of them.
+
+    Attributes
+    ----------
+    number
+        Of the motions of a part: 3 in the plane, 6 in space.
+    """
 
     def __init__(self, V: CrackFESpace) -> None:
         self.copies = copies = VertexCopies(V)
+        self.dimension = V.mesh.dim
+        self.turns = [(i, j) for j in range(self.dimension) for i in range(j)]  # each in a plane of two axes
+        self.number = self.dimension + len(self.turns)
         keys = np.unique(copies.corners.astype(np.int64) * copies.parts + copies.labels[:, None])
         self.copy, self.part = keys // copies.parts, keys % copies.parts  # each pair once, ordered by copies
-        self.points = V.mesh.ngmesh.Coordinates()[copies.vertex, :2]
+        self.points = V.mesh.ngmesh.Coordinates()[copies.vertex, : self.dimension]
         self.share, members = V.share, [self.points[self.copy[self.part == part]] for part in range(copies.parts)]
         corner = lambda sign: np.array([(sign * points).max(axis=0, initial=-np.inf) for points in members])
         high, low = (sign * np.max(self.share.Gather(corner(sign)), axis=0) for sign in (1, -1))
@@ -148,16 +150,18 @@ class RigidMotions:
         self.hinges = np.flatnonzero(np.diff(self.copy) == 0)  # pairs i and i + 1 are one copy in two parts
 
     def Rows(self, pairs: np.ndarray, component: int) -> np.ndarray:
-        """A component of the displacement of pairs of copy and part, as a matrix (len(pairs), 3 parts) on the motions."""
-        rows, part = np.zeros((len(pairs), 3 * self.copies.parts)), self.part[pairs]
+        """A component of the displacement of pairs of copy and part, as a matrix (len(pairs), number × parts) on the motions."""
+        rows, part = np.zeros((len(pairs), self.number * self.copies.parts)), self.part[pairs]
         arm = (self.points[self.copy[pairs]] - self.centres[part]) / self.sizes[part][:, None]
         number = np.arange(len(pairs))
-        rows[number, 3 * part + component] = 1
-        rows[number, 3 * part + 2] = arm[:, 0] if component else -arm[:, 1]
+        rows[number, self.number * part + component] = 1
+        for turn, (i, j) in enumerate(self.turns, self.dimension):
+            if component in (i, j):
+                rows[number, self.number * part + turn] = arm[:, i] if component == j else -arm[:, j]
         return rows
 
     def Coefficients(self) -> tuple[np.ndarray, np.ndarray]:
-        """(unknowns, rows): the coefficients of the motions in V, a matrix (number, 3 parts) for the unknowns that are not zero."""
+        """(unknowns, rows): the coefficients of the motions in V, a matrix (unknowns, number × parts) for the unknowns that are not zero."""
         copies, V = self.copies, self.copies.V
         pair = np.full(len(copies.vertex), -1)  # of each copy
         pair[self.copy] = np.arange(len(self.copy))
@@ -166,7 +170,7 @@ class RigidMotions:
         there = np.flatnonzero(vertices >= 0)
         unknowns, rows = [], []
         layout, number = Unknowns(V), np.array([j for j, _, _ in across], dtype=int)
-        for k in range(2):
+        for k in range(self.dimension):
             unknowns += [layout.Polynomial(k).start + there, layout.Heaviside(k).start + number]
             rows += [self.Rows(vertices[there], k), self.Rows(jumps[:, 0], k) - self.Rows(jumps[:, 1], k)]
         return np.concatenate(unknowns), np.concatenate(rows)
@@ -182,7 +186,7 @@ class RigidMotions:
             A StiffnessForm.
         """
         unknowns, rows = self.Coefficients()
-        hinges = [self.Rows(self.hinges, k) - self.Rows(self.hinges + 1, k) for k in range(2)]
+        hinges = [self.Rows(self.hinges, k) - self.Rows(self.hinges + 1, k) for k in range(self.dimension)]
         of_all = self.share.Gather(np.concatenate([*hinges, rows[fixed[unknowns]]]))
         return np.concatenate([*of_all, self._of_springs(springs, unknowns, rows)])
 
@@ -201,7 +205,7 @@ class RigidMotions:
     def Free(self, fixed: np.ndarray, springs: StiffnessForm) -> FreeMotions | None:
         """Those that are not held, or None if all parts are; fixed, springs: see Constraints."""
         free = without_effect(self.Constraints(fixed, springs))
-        return FreeMotions(self, free.reshape(-1, self.copies.parts, 3)) if len(free) else None
+        return FreeMotions(self, free.reshape(-1, self.copies.parts, self.number)) if len(free) else None
 
 
 def without_effect(rows: np.ndarray, size: float = 1.0) -> np.ndarray:
@@ -218,7 +222,7 @@ class FreeMotions:
     Attributes
     ----------
     motions
-        (n, parts, 3): two translations and a turn of each part of the body, orthonormal.
+        (n, parts, number): translations and turns of each part of the body, orthonormal.
     """
 
     rigid: RigidMotions
@@ -231,7 +235,7 @@ class FreeMotions:
 
     @property
     def centres(self) -> np.ndarray:
-        """Those of the parts that move, (number, 2)."""
+        """Those of the parts that move, (parts, dimension)."""
         return self.rigid.centres[self.parts]
 
     def Combined(self, combinations: np.ndarray) -> FreeMotions:
@@ -245,29 +249,21 @@ class FreeMotions:
         coefficients[unknowns] = rows @ self.motions.reshape(len(self.motions), -1).T
         return coefficients
 
-    def Displacements(self) -> csr_matrix:
-        """The rows that give, of a function of V, both components at two points of each part that moves."""
-        rigid, rows = self.rigid, []
-        for part in self.parts:
-            copies = rigid.copy[rigid.part == part]
-            points = rigid.points[copies]
-            first = int(np.argmax(np.linalg.norm(points - rigid.centres[part], axis=1)))
-            second = int(np.argmax(np.linalg.norm(points - points[first], axis=1)))
-            rows += [rigid.copies.Displacement(int(copies[i]), component) for i in (first, second) for component in range(2)]
-        return scipy.sparse.vstack(rows).tocsr()
-
     @property
     def message(self) -> str:
         """What is free, of the part that moves most, and what to do."""
         rigid, part = self.rigid, int(np.argmax(np.linalg.norm(self.motions, axis=(0, 2))))
-        number, (x, y) = np.linalg.matrix_rank(self.motions[:, part], tol=HELD), rigid.centres[part]
+        number, centre = np.linalg.matrix_rank(self.motions[:, part], tol=HELD), in_words(rigid.centres[part])
         hinges = rigid.points[rigid.copy[[i for i in rigid.hinges if part in (rigid.part[i], rigid.part[i + 1])]]]
         name = "the body"
         if rigid.copies.parts > 1:
-            name = f"one of the {rigid.copies.parts} parts into which the cracks divide the body, around ({x:g}, {y:g}),"
+            name = f"one of the {rigid.copies.parts} parts into which the cracks divide the body, around {centre},"
         if len(hinges):
-            vertices = ", ".join("({:g}, {:g})".format(*point) for point in hinges)
-            name = (
-                f"the part of the body around ({x:g}, {y:g}), which hangs on others by {'the vertex' if len(hinges) == 1 else 'the vertices'} {vertices} alone,"
-            )
+            vertices = ", ".join(map(in_words, hinges))
+            name = f"the part of the body around {centre}, which hangs on others by {'the vertex' if len(hinges) == 1 else 'the vertices'} {vertices} alone,"
         return f"{number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a"
+
+
+def in_words(point: np.ndarray) -> str:
+    """A point in a message."""
+    return f"({', '.join(f'{coordinate:g}' for coordinate in point)})"

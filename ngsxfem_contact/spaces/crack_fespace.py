@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 from .. import _ngsxfem_contact as core
 from ..arguments import INFINITY, check_number, check_positive, check_regions, check_type, check_whole
 from ..description import Described, numbered
 from ..errors import warn
-from ..material import Elasticity, Isotropic
+from ..material import Elasticity, Isotropic, check_form
 from ..points import place
 from ..protocols import TipFunctions, check_role
 from ..share import share_in
 from ..sheets import check_plane_body
+from .flags import check_flags, joined_names
 from .resolution import warn_of_coarse
+from .solid_fespace import SolidFESpace
 from .tip_disk import check_disk, largest_disk
 
 if TYPE_CHECKING:
@@ -127,6 +129,7 @@ class CrackFESpace(Described, core.CrackFESpace):
     Parameters
     ----------
     body : CrackedMesh
+        Of a mesh in space gives a SolidFESpace, which has front= in place of tip=.
     order
         Of φ_i, 1 or more.
     tip
@@ -160,6 +163,11 @@ class CrackFESpace(Described, core.CrackFESpace):
     Section 3 of [AHLMR12], (6) to (8).
     """
 
+    def __new__(cls, *arguments: Any, **named: Any) -> Any:
+        """The SolidFESpace of a body in space, with its arguments."""
+        body = arguments[0] if arguments else named.get("body")
+        return SolidFESpace(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
+
     def __init__(
         self,
         body: CrackedMesh,
@@ -172,10 +180,12 @@ class CrackFESpace(Described, core.CrackFESpace):
         material: Isotropic | None = None,
         **flags: Any,
     ) -> None:
-        check_flags(flags)
+        check_flags(flags, ("tip", "bubble", "dirichlet", "dirichletx", "dirichlety"), ("orderinner", "print"))
         check_plane_body(body, "CrackFESpace: body")
         check_whole(order, "CrackFESpace: order", 1)
         check_type(material, Isotropic | None, "CrackFESpace: material", "an Elasticity")
+        if material is not None:
+            check_form(material, body, "CrackFESpace: material")
         for name, pattern in (("dirichlet", dirichlet), ("dirichletx", dirichletx), ("dirichlety", dirichlety)):
             if pattern:
                 flags[name] = joined_names(pattern)
@@ -229,6 +239,7 @@ def warn_of_undecided(body: CrackedMesh, tips: list[int]) -> None:
         )
 
 
+@singledispatch
 def decide(V: CrackFESpace, material: Isotropic) -> None:
     """Gives the tips of V whose material was not known that of the problem. Raises ValueError for a disk that reaches another material."""
     for number in getattr(V, "undecided", []):
@@ -239,33 +250,7 @@ def decide(V: CrackFESpace, material: Isotropic) -> None:
         V.undecided = []
 
 
-FLAGS = ("orderinner", "print")
-NO_FLAGS = {
-    "complex": "the space is real",
-    "dim": "u has two components",
-    "definedon": "the space lives on the whole body; take a mesh of the body alone",
-    "dgjumps": "u is continuous off the cracks",
-    "autoupdate": "the cracks are located in one mesh",
-    "dirichlet_bbnd": "hold a vertex by problem.Pin(point, components)",
-}
-
-
-def check_flags(flags: dict[str, Any]) -> None:
-    """Raises ValueError for a flag of NGSolve's spaces that makes no sense here, TypeError for any other name."""
-    for name, value in flags.items():
-        if name in NO_FLAGS and value:
-            raise ValueError(f"CrackFESpace: {name}={value!r} is not supported; {NO_FLAGS[name]}")
-        if name not in FLAGS and name not in NO_FLAGS:
-            allowed = ["order", "tip", "bubble", "dirichlet", "dirichletx", "dirichlety", "material", *FLAGS]
-            meant = get_close_matches(name, allowed, 1)
-            raise TypeError(
-                f"CrackFESpace: there is no argument {name!r}{f' (did you mean {meant[0]!r}?)' if meant else ''}; it takes body, {', '.join(allowed)}"
-            )
-
-
-def joined_names(pattern: Any) -> Any:
-    """One regular expression for a list of them; what is none is left to check_regions."""
-    return "|".join(pattern) if isinstance(pattern, (list, tuple)) and all(isinstance(name, str) for name in pattern) else pattern
+decide.register(SolidFESpace, SolidFESpace.Decide)
 
 
 def is_nearly_incompressible(material: Isotropic | None) -> bool:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunction, LinearForm, NodeId, VectorH1
 
+from .._ngsxfem_contact import CrackedSolid
 from ..algebra.elimination import Elimination
 from ..arguments import check_function
 from .unknowns import Unknowns
@@ -16,10 +18,10 @@ if TYPE_CHECKING:
 
     from ngsolve import CoefficientFunction
 
-    from .._ngsxfem_contact import Crack, CrackFESpace
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace
 
 
-def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[Any] = ()) -> GridFunction:
+def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[Any] = (), fronts: Sequence[Any] = ()) -> GridFunction:
     """Π_h u: a_i = û^{s_i}(y_i), b_i = (û⁺ - û⁻)(y_i), and given coefficients for the tip functions.
 
     Parameters
@@ -27,14 +29,16 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     V : CrackFESpace
         The space.
     plus, minus
-        û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, with two components; minus=None: no jump.
+        û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, vectors; minus=None: no jump.
     tips
         For each tip the coefficients of its functions.
+    fronts
+        Of a body in space: for each front K_I, K_II, K_III, numbers or functions of the place, which are taken at the nodes with modes.
 
     Raises
     ------
     ValueError
-        For functions that are not finite or have not two components, and for a wrong number of coefficients.
+        For functions that are not finite or have another number of components, and for a wrong number of coefficients.
 
     Notes
     -----
@@ -47,7 +51,7 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     u = GridFunction(V)
     vec = u.vec.FV().NumPy()
     sides = _own_sides(V)
-    for component in range(2):
+    for component in range(unknowns.components):
         of_plus, of_minus = (values[unknowns.Polynomial(component)] for values in one_sided)
         vec[unknowns.Polynomial(component)] = np.where(sides > 0, of_plus, of_minus)
         vec[unknowns.Heaviside(component)] = (of_plus - of_minus)[unknowns.enriched]
@@ -56,13 +60,25 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
         if np.shape(coefficients) != (len(dofs),) or not np.isfinite(coefficients).all():
             raise ValueError(f"Interpolant: tips[{tip}]={coefficients!r} are not {len(dofs)} finite numbers, one for each function at tip {tip}")
         vec[dofs] = coefficients
+    if len(fronts):
+        set_modes(V, vec, fronts)
     return u
+
+
+def set_modes(V: Any, vec: np.ndarray, fronts: Sequence[Any]) -> None:
+    """Gives the modes of each front their coefficients, K_I, K_II and K_III at the nodes."""
+    if len(fronts) != len(V.body.fronts):
+        raise ValueError(f"Interpolant: fronts has {len(fronts)} entries for {len(V.body.fronts)} fronts; give K_I, K_II, K_III of each of body.fronts")
+    factors = [check_function(K, f"Interpolant: fronts[{number}]", 3) for number, K in enumerate(fronts)]
+    for j, (vertex, front) in enumerate(V.front_nodes):
+        for mode, value in enumerate(factors[front](V.mesh(*V.mesh.vertices[vertex].point))):
+            vec[V.FrontDof(j, mode)] = value
 
 
 def _smooth(V: CrackFESpace, function: Any, name: str) -> np.ndarray:
     """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
     plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
-    plain.Set(check_function(function, f"Interpolant: {name}", 2), dual=True)
+    plain.Set(check_function(function, f"Interpolant: {name}", V.mesh.dim), dual=True)
     return finite(plain.vec.FV().NumPy().copy(), f"Interpolant: {name}")
 
 
@@ -88,15 +104,27 @@ def _own_sides(V: CrackFESpace) -> np.ndarray:
     for node, place in nodes:
         dofs = list(V.scalar_space.GetDofNrs(node))
         if dofs:
-            sides[dofs] = _side_of_nearest(V.body.cracks, tuple(place))
+            sides[dofs] = side_of_nearest(V.body, tuple(place))
     sides[unknowns.enriched] = unknowns.shifts
     return sides
 
 
-def _side_of_nearest(cracks: list[Crack], point: tuple[float, float]) -> int:
+@singledispatch
+def side_of_nearest(body: Any, point: Any) -> int:
+    """±1: on which side of the nearest crack a point lies."""
+    cracks = body.cracks
     distance = lambda crack: np.hypot(*np.subtract(crack.PointAt(crack.ArcLength(point)), point))
     nearest = cracks[0] if len(cracks) == 1 else min(cracks, key=distance)
     return int(nearest.SideOf(point))
+
+
+@side_of_nearest.register(CrackedSolid)
+def side_of_nearest_sheet(body: CrackedSolid, point: Any) -> int:
+    """The same of sheets."""
+    heights = [float(np.dot(np.subtract(point, sheet.origin), sheet.normal)) for sheet in body.cracks]
+    to_fronts = lambda number: min((front.Distance(point) for front in body.fronts if front.sheet == number), default=np.inf)
+    distances = [abs(height) if sheet.Contains(point) else to_fronts(number) for number, (sheet, height) in enumerate(zip(body.cracks, heights))]
+    return 1 if heights[int(np.argmin(distances))] >= 0 else -1
 
 
 def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: int = 4) -> GridFunction:
@@ -106,19 +134,19 @@ def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: i
     ----------
     V : CrackFESpace
     function
-        CoefficientFunction with two components, which may jump across the cracks.
+        CoefficientFunction, a vector, which may jump across the cracks.
     bonus_intorder
         Of the rule for it, default 4.
 
     Raises
     ------
     ValueError
-        For a function that is not finite or has not two components.
+        For a function that is not finite or has another number of components.
     """
     V.share.Refuse("Projection")
     u, v = V.TnT()
     mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
-    function = check_function(function, "Projection: function", 2)
+    function = check_function(function, "Projection: function", V.mesh.dim)
     load = finite(LinearForm(function * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec.FV().NumPy(), "Projection: function")
     result = GridFunction(V)
     everything = BitArray(V.ndof)

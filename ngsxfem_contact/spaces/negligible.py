@@ -51,7 +51,7 @@ def negligible_functions(matrix: BaseMatrix, V: CrackFESpace, free: BitArray) ->
 
 def energies_of_whole_functions(unknowns: Unknowns, energies: np.ndarray) -> np.ndarray:
     """That of φ_i for each unknown b_i, in the order of the unknowns."""
-    return np.concatenate([energies[unknowns.Polynomial(component)][unknowns.enriched] for component in range(2)])
+    return np.concatenate([energies[unknowns.Polynomial(component)][unknowns.enriched] for component in range(unknowns.components)])
 
 
 def added_energies(A: csr_matrix, bounds: np.ndarray) -> np.ndarray:

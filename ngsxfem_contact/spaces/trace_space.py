@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from ..description import Described, numbered
 from ..share import share_in
 from ..sheets import check_plane_body
 from .nodes import CurveNodes
+from .sheet_trace_space import SheetNodes, SheetTraceSpace
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -30,7 +31,7 @@ class TraceSpace(Described, core.TraceSpace):
     Parameters
     ----------
     body : CrackedMesh
-        The body of the cracks.
+        The body of the cracks. Of a mesh in space gives a SheetTraceSpace.
     order : int
         Of the functions, 0 or more.
     basis : "nodal" or "trace"
@@ -51,6 +52,11 @@ class TraceSpace(Described, core.TraceSpace):
     ----------
     Section 4 of [AHLMR12].
     """
+
+    def __new__(cls, *arguments: Any, **named: Any) -> Any:
+        """The SheetTraceSpace of a body in space, with its arguments."""
+        body = arguments[0] if arguments else named.get("body")
+        return SheetTraceSpace(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
 
     def __init__(self, body: CrackedMesh, order: int = 1, basis: str = "nodal", nodes: Any = None) -> None:
         check_plane_body(body, "TraceSpace: body")
@@ -120,6 +126,15 @@ class TraceNodes(CurveNodes):
     def mass(self) -> np.ndarray:
         """∫ψ_i ψ_j."""
         return self.functions.T @ mass_matrix(self.W) @ self.functions
+
+
+@singledispatch
+def trace_nodes(W: core.TraceSpace) -> TraceNodes | SheetNodes:
+    """Where the signs of the functions of a space of multipliers are taken."""
+    return TraceNodes(W)
+
+
+trace_nodes.register(SheetTraceSpace, SheetNodes)
 
 
 def mass_matrix(W: TraceSpace) -> csr_matrix:

@@ -6,10 +6,12 @@ from .. import _ngsxfem_contact as core
 
 
 class Unknowns:
-    """The layout of V_h: the coefficients a_i of φ_i, x then y, those b_i of the Heaviside functions, x then y, and those c_j of the tips.
+    """The layout of V_h: the coefficients a_i of φ_i, component after component, those b_i of the Heaviside functions, and those c_j of the tips, or of fronts.
 
     Attributes
     ----------
+    components
+        Of u.
     functions
         The number of φ_i.
     jumps
@@ -21,8 +23,8 @@ class Unknowns:
     """
 
     def __init__(self, V: core.CrackFESpace) -> None:
-        self.V, self.functions, self.jumps = V, V.scalar_space.ndof, V.num_heaviside
-        first, end = 2 * self.functions, 2 * (self.functions + self.jumps)
+        self.V, self.functions, self.jumps, self.components = V, V.scalar_space.ndof, V.num_heaviside, V.mesh.dim
+        first, end = self.components * self.functions, self.components * (self.functions + self.jumps)
         self.polynomial, self.heaviside, self.regular = slice(0, first), slice(first, end), slice(0, end)
 
     def Polynomial(self, component: int) -> slice:
@@ -54,8 +56,8 @@ class Unknowns:
         return np.concatenate([np.zeros(0, dtype=int), *(self.Tip(tip) for tip in range(len(self.V.body.tips)))])
 
     def Kinds(self, dofs: np.ndarray) -> np.ndarray:
-        """For each of some unknowns a number, equal where units are: 0 for a_i and b_i, t + 1 for those of tip t."""
-        kinds = np.zeros(np.shape(dofs), dtype=int)
+        """For each of some unknowns a number, equal where units are: 0 for a_i and b_i, t + 1 for those of tip t, 1 for those of fronts."""
+        kinds = np.where(np.asarray(dofs) >= self.regular.stop, 1, 0)
         for tip in range(len(self.V.body.tips)):
             kinds[np.isin(dofs, self.Tip(tip))] = tip + 1
         return kinds

@@ -295,7 +295,7 @@ def test_a_normal_jump_that_is_not_given_is_not_refused():
         (dict(dirchlet="bottom"), TypeError, r"no argument 'dirchlet' \(did you mean 'dirichlet'\?\)"),
         (dict(bogus=1), TypeError, "no argument 'bogus'; it takes body, order, tip, bubble, dirichlet, dirichletx, dirichlety, material, orderinner, print"),
         (dict(dirichletz="top"), TypeError, "no argument 'dirichletz'"),
-        (dict(dim=3), ValueError, "dim=3 is not supported; u has two components"),
+        (dict(dim=3), ValueError, "dim=3 is not supported; u has as many components"),
         (dict(definedon="inner"), ValueError, "definedon='inner' is not supported; the space lives on the whole body"),
         (dict(dgjumps=True), ValueError, "dgjumps=True is not supported"),
         (dict(dirichlet_bbnd="corner"), ValueError, r"hold a vertex by problem.Pin\(point, components\)"),

@@ -25,9 +25,8 @@ OPEN_MPI = {
 def run(number, *arguments, seconds=120):
     """The CompletedProcess of `mpirun -n number python arguments`; processes that wait for ever are ended after some seconds."""
     command = ["timeout", str(seconds), "mpirun", "-n", str(number), sys.executable, "-W", "ignore", *map(str, arguments)]
-    return subprocess.run(
-        command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI
-    )  # with an input mpirun is stopped in the background
+    # with an input mpirun is stopped in the background; the folder of the sources holds a package that is not compiled
+    return subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI, cwd=HERE)
 
 
 def names_in(path):
@@ -134,4 +133,4 @@ def test_one_process_needs_no_mpi():
         "assert DistributedMesh(lambda: unit_square.GenerateMesh(maxh=0.3)).nv == Mesh(unit_square.GenerateMesh(maxh=0.3)).nv\n"
         "assert not {'mpi4py', 'petsc4py', 'ngspetsc'} & {name.partition('.')[0] for name in sys.modules}\n"
     )
-    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=120, cwd=HERE)

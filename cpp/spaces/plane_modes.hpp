@@ -1,0 +1,39 @@
+#pragma once
+// The modes I and II at a tip, or in the plane normal to a front, and the functions of θ/2 that all modes are made of (docs/method.md, section 3).
+
+#include <fem.hpp>
+
+namespace ngsxfem_contact
+{
+  using ngfem::AutoDiff;
+  using ngcore::SIMD;
+
+  /// √r cos(θ/2), √r sin(θ/2) and their gradients: √r cos(θ/2) = √((r+x)/2), no digits lost where x < 0. forced: the sign of θ, 0: that of y.
+  template <int D, typename T>
+  std::pair<AutoDiff<D,T>, AutoDiff<D,T>> HalfAngle (AutoDiff<D,T> x, AutoDiff<D,T> y, T r, int forced)
+  {
+    T one(1.);
+    T sign = forced ? T(double(forced)) : IfPos(y.Value(), one, IfPos(-y.Value(), -one, one));
+    T absx = IfPos(x.Value(), x.Value(), -x.Value()), absy = IfPos(y.Value(), y.Value(), -y.Value());
+    T large = sqrt(0.5*(r+absx)), small = 0.5*absy/large;
+    AutoDiff<D,T> C, S;
+    C.Value() = IfPos(x.Value(), large, small);
+    S.Value() = sign * IfPos(x.Value(), small, large);
+    T half_r = 0.5/r;
+    for (int i = 0; i < D; i++)
+      {
+        C.DValue(i) = half_r * (C.Value()*x.DValue(i) + S.Value()*y.DValue(i));
+        S.DValue(i) = half_r * (C.Value()*y.DValue(i) - S.Value()*x.DValue(i));
+      }
+    return { C, S };
+  }
+
+  /// 2μ √(2π) times the fields of unit K_I and K_II, ahead and to the left of the tip, for C and S of HalfAngle.
+  template <int D, typename T>
+  std::array<std::array<AutoDiff<D,T>,2>,2> PlaneModes (AutoDiff<D,T> C, AutoDiff<D,T> S, AutoDiff<D,T> r, double kappa)
+  {
+    AutoDiff<D,T> c2 = C*C/r, s2 = S*S/r;
+    return { { { C*(kappa-1. + 2.*s2), S*(kappa+1. - 2.*c2) },
+               { S*(kappa+1. + 2.*c2), -1.*C*(kappa-1. - 2.*s2) } } };
+  }
+}

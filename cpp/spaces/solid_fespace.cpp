@@ -1,0 +1,161 @@
+#include "spaces/solid_fespace.hpp"
+
+namespace ngsxfem_contact
+{
+  using namespace ngcomp;
+
+  constexpr double least_cosine = 0.2;             // of the angle by which e₁ may turn in a support: where the normals of a front meet its modes jump
+
+  SolidFESpace :: SolidFESpace (shared_ptr<const CrackedSolid> abody, std::optional<FrontSpec> spec, const Flags & flags)
+    : EnrichedSpace<3>(abody, flags), body(abody)
+  {
+    type = "solidfespace";
+    if (spec)
+      {
+        if (spec->material.size() != body->Fronts().size())
+          throw Exception("CrackFESpace: " + ngcore::ToString(spec->material.size()) + " materials for " + ngcore::ToString(body->Fronts().size()) + " fronts; give one for each (body.fronts)");
+        for (size_t i = 0; i < body->Fronts().size(); i++) modes.push_back({ body->Fronts()[i], spec->material[i] });
+        demand = spec->rules;
+      }
+    rules = RulesOf(body, modes.empty() ? std::nullopt : std::optional(demand));
+  }
+
+  std::optional<FrontSpec> SolidFESpace :: Spec () const
+  {
+    if (modes.empty()) return std::nullopt;
+    FrontSpec spec { {}, demand };
+    for (auto & mode : modes) spec.material.push_back(mode.Material());
+    return spec;
+  }
+
+  void SolidFESpace :: SetFrontMaterial (size_t front, ModeMaterial material)
+  {
+    if (front >= modes.size()) throw Exception("CrackFESpace: there are no modes of front " + ngcore::ToString(front));
+    modes[front].SetMaterial(material);
+  }
+
+  size_t SolidFESpace :: CollectSingular ()
+  {
+    FindNodes();
+    for (auto vb : { VOL, BND }) AddModes(vb);
+    return FrontFunctions::size*nodes.size();
+  }
+
+  std::set<size_t> SolidFESpace :: PartlyHeldVertices () const
+  {
+    std::set<size_t> vertices;
+    for (auto el : ma->Elements(BND))
+      if (IsHeld(el.GetIndex()) && !IsWhollyHeld(el.GetIndex()))
+        for (auto v : el.Vertices()) vertices.insert(v);
+    return vertices;
+  }
+
+  size_t SolidFESpace :: NearestFront (size_t sheet, Point3 x) const
+  {
+    auto & fronts = body->Fronts();
+    size_t nearest = fronts.size();
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < fronts.size(); i++)
+      if (fronts[i].SheetNumber() == sheet)
+        if (double distance = fronts[i].Distance(x); distance < least)
+          {
+            least = distance;
+            nearest = i;
+          }
+    return nearest;
+  }
+
+  /// Whether the modes are smooth around a node but for the sheet: all of its support is nearest to one smooth stretch of its front, which does not turn away.
+  bool SolidFESpace :: IsAlone (FrontNode node) const
+  {
+    auto & front = body->Fronts()[node.front];
+    auto foot_of = [&] (size_t vertex) { return front.Tube(ma->GetPoint<3>(vertex)).s; };
+    double foot = foot_of(node.vertex);
+    auto own = front.StretchAt(foot);
+    if (!own) return false;
+    Point3 ahead = front.FrameAt(foot)[0];
+    auto belongs = [&] (size_t vertex)
+    {
+      double s = foot_of(vertex);
+      return front.StretchAt(s) == own && Dot(front.FrameAt(s)[0], ahead) > least_cosine && NearestFront(front.SheetNumber(), ma->GetPoint<3>(vertex)) == node.front;
+    };
+    for (auto element : ma->GetVertexElements(node.vertex))
+      for (auto v : ma->GetElement(ElementId(VOL, element)).Vertices())
+        if (!belongs(v)) return false;
+    return true;
+  }
+
+  void SolidFESpace :: FindNodes ()
+  {
+    nodes.clear();
+    num_left_out = 0;
+    if (modes.empty()) return;
+    auto partly_held = PartlyHeldVertices();
+    for (size_t sheet = 0; sheet < body->NumCracks(); sheet++)
+      {
+        std::set<size_t> around;
+        for (auto & [v, longest] : body->FrontNodes(sheet)) around.insert(v);
+        if (demand.radius > 0)
+          for (size_t v = 0; v < ma->GetNV(); v++)
+            for (auto & front : body->Fronts())
+              if (front.SheetNumber() == sheet && front.Distance(ma->GetPoint<3>(v)) < demand.radius) around.insert(v);
+        for (auto v : around)
+          {
+            FrontNode node { v, NearestFront(sheet, ma->GetPoint<3>(v)) };
+            if (!partly_held.contains(v) && IsAlone(node)) nodes.push_back(node);
+            else num_left_out++;
+          }
+      }
+  }
+
+  namespace
+  {
+    /// The hats of the corners of a simplex as functions of x; of a triangle constant along its normal.
+    template <size_t N>
+    std::array<Vec<4>,N> Hats (const std::array<Point3,N> & corners)
+    {
+      std::array<Vec<4>,N> hats;
+      for (size_t i = 0; i < N; i++)
+        {
+          Point3 a = corners[(i+1) % N], u = corners[(i+2) % N]-a, normal = N == 4 ? Cross(u, Point3(corners[(i+3) % N]-a)) : Cross(u, Cross(u, Point3(corners[i]-a)));
+          Point3 gradient = 1/Dot(Point3(corners[i]-a), normal) * normal;
+          hats[i] = Vec<4>(-Dot(gradient, a), gradient(0), gradient(1), gradient(2));
+        }
+      return hats;
+    }
+  }
+
+  void SolidFESpace :: AddModes (VorB vb)
+  {
+    modes_of[vb].SetSize(ma->GetNE(vb));
+    modes_of[vb] = 0;
+    modes_in[vb].assign(1, {});
+    std::vector<size_t> by_front(nodes.size());
+    std::iota(by_front.begin(), by_front.end(), 0);
+    std::ranges::stable_sort(by_front, {}, [&] (size_t j) { return nodes[j].front; });
+    auto add = [&] (size_t element, size_t j, Vec<4> hat)
+    {
+      auto & number = modes_of[vb][element];
+      if (number == 0)
+        {
+          number = modes_in[vb].size();
+          modes_in[vb].push_back({});
+        }
+      auto & here = modes_in[vb][number];
+      here.nodes.push_back({ hat, &modes[nodes[j].front] });
+      for (int m = 0; m < FrontFunctions::size; m++) here.dofs.push_back(FrontDof(j, m));
+    };
+    auto corner = [&] (size_t element, size_t v)
+    {
+      size_t number = 0;
+      auto vertices = ma->GetElement(ElementId(vb, element)).Vertices();
+      while (size_t(vertices[number]) != v) number++;
+      return number;
+    };
+    for (size_t j : by_front)
+      if (size_t v = nodes[j].vertex; vb == VOL)
+        for (auto element : ma->GetVertexElements(v)) add(element, j, Hats(MeshParts<3>::TetOf(*ma, element))[corner(element, v)]);
+      else
+        for (auto element : ma->GetVertexSurfaceElements(v)) add(element, j, Hats(MeshParts<3>::TriangleOf(*ma, element))[corner(element, v)]);
+  }
+}
