@@ -157,9 +157,14 @@ class Processes:
         return self.comm is not None
 
     @property
+    def rank(self) -> int:
+        """The number of this one, from 0."""
+        return self.comm.rank if self.several else 0
+
+    @property
     def is_first(self) -> bool:
         """Whether this is the one that writes files."""
-        return not self.several or self.comm.rank == 0
+        return self.rank == 0
 
     def Refuse(self, what: str, condition: bool = True) -> None:
         """Raises NotImplementedError for what several processes cannot do yet."""
@@ -183,6 +188,10 @@ class Processes:
     def Gather(self, value: T) -> list[T]:
         """The values of all, in their order."""
         return self.comm.allgather(value) if self.several else [value]
+
+    def AtFirst(self, value: T) -> list[T]:
+        """The values of all, in their order, on the first process; nothing on others."""
+        return (self.comm.gather(value) or []) if self.several else [value]
 
     def FromFirst(self, value: T) -> T:
         """That of the first process: what all have computed for themselves may differ by round-off, and must not lead them to different decisions."""

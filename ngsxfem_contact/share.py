@@ -16,15 +16,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import BND, H1, BitArray, Mesh
+from ngsolve import BND, H1, VOL, BitArray, ElementId, Mesh
 
 from . import _ngsxfem_contact as core
 from .processes import Processes
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from ngsolve.comp import SumOfIntegrals
+
+
+BESIDE = 1e-3  # of an element: so near to a point are all that meet there, beyond the tolerance of NGSolve's search
 
 
 def nothing(kind: type) -> Any:
@@ -40,6 +43,8 @@ class Share(Processes):
     ----------
     mesh
         Of this process, serial.
+    source
+        The mesh that it was made of, which processes share.
     own
         (ne,), whether an element is its own.
     own_boundary
@@ -53,6 +58,7 @@ class Share(Processes):
     """
 
     mesh: Any = None
+    source: Any = None
     own: np.ndarray = nothing(bool)
     own_boundary: np.ndarray = nothing(bool)
     everywhere: np.ndarray = nothing(bool)
@@ -75,6 +81,34 @@ class Share(Processes):
         own, _ = self._bits
         return own if elements is None else own & elements
 
+    def Has(self, points: Any) -> np.ndarray:
+        """(n,): whether points (n, 2) are this process's, the first one's that has an own element there. Raises ValueError for a point outside of the body."""
+        of_all = np.array(self.Gather([self._claim(np.array(point, dtype=float)) for point in points]))
+        if not of_all.any(axis=0).all():
+            x, y = points[int(np.argmin(of_all.any(axis=0)))]
+            raise ValueError(f"({x:g}, {y:g}) lies outside of the body; give a point in the mesh's coordinates")
+        return np.argmax(of_all, axis=0) == self.rank
+
+    def _claim(self, point: np.ndarray) -> int:
+        """2 where NGSolve finds a point in an own element, 1 where one touches it: of the elements that meet there it finds any."""
+        if not self.mesh.Contains(*point):
+            return 0
+        found = self.mesh(*point).nr
+        if self.IsOwn(np.array([found]))[0]:
+            return 2
+        corners = np.array([self.mesh[vertex].point for vertex in self.mesh[ElementId(VOL, found)].vertices])
+        near = point + BESIDE * np.ptp(corners, axis=0).max() * np.array([(np.cos(t), np.sin(t)) for t in np.linspace(0, 2 * np.pi, 36)])
+        return int(any(self.mesh.Contains(*other) and self.own[self.mesh(*other).nr] for other in near))
+
+    def AtPoints(self, points: Any, values: Callable[[Any], np.ndarray]) -> np.ndarray:
+        """(n, ...): what values(mesh points) gives at points (n, 2), each asked where it is."""
+        mine, points = self.Has(points), np.asarray(points, dtype=float)
+        here = values(self.mesh(*points[mine].T)) if mine.any() else None
+        shape = next(value.shape[1:] for value in self.Gather(here) if value is not None)
+        of_all = np.zeros((len(points), *shape))
+        of_all[mine] = 0 if here is None else here
+        return self.Sum(of_all)
+
     @cached_property
     def _bits(self) -> tuple[BitArray, BitArray]:
         return BitArray(self.own.tolist()), BitArray(self.own_boundary.tolist())
@@ -84,7 +118,7 @@ def share_of(mesh: Mesh, cracks: Sequence[core.Crack]) -> Share:
     """The Share of this process in a mesh with cracks. Raises NotImplementedError for a curved mesh, and as `Processes.Of` does."""
     processes = Processes.Of(mesh, "CrackedMesh")
     if not processes.several:
-        return Share(mesh=mesh)
+        return Share(mesh=mesh, source=mesh)
     processes.Refuse("A curved mesh", processes.Max(mesh.GetCurveOrder()) > 1)  # that of a process without elements is 1
     abort_on_error(processes.comm)
     part = Part(mesh, processes)
@@ -191,7 +225,7 @@ def shared(part: Part, processes: Processes, everywhere: np.ndarray) -> Share:
     on_it = numbers[place] == of_edge
     owner = np.full(len(numbers), elements.max() + 1)
     np.minimum.at(owner, place[on_it], beside[on_it])
-    return Share(processes.comm, mesh, own, np.isin(owner, elements[own]), all_over, vertices, elements, np.isin(vertices, part.interface))
+    return Share(processes.comm, mesh, part.mesh, own, np.isin(owner, elements[own]), all_over, vertices, elements, np.isin(vertices, part.interface))
 
 
 def serial_mesh(points: np.ndarray, corners: np.ndarray, regions: np.ndarray, segments: np.ndarray, boundaries: np.ndarray, materials: Any, names: Any) -> Mesh:

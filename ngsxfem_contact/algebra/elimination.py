@@ -214,7 +214,7 @@ class Elimination:
     def SolveRefined(self, rhs: np.ndarray) -> np.ndarray:
         """The same with one step of iterative refinement."""
         x = self.Solve(rhs)
-        return x + self.Solve(self.Residual(rhs, x))
+        return x + self.Solve(self.exchange.Additive(self.Residual(rhs, x)))
 
     def RelativeResidual(self, forces: Sequence[np.ndarray], x: np.ndarray) -> float:
         """Of A x = Σ forces, each row divided by √A_ii, so that no unit counts; relative to the largest of the terms that cancel."""

@@ -14,6 +14,7 @@ from ..algebra.elimination import Elimination, unit_scale
 from ..algebra.matrices import csr_view, mask, to_scipy
 from ..errors import NotCoercive, SingularSystem, warn
 from ..operators import NormalGap
+from ..spaces.exchange import exchange_of
 from ..spaces.unknowns import Unknowns
 from .contact_system import stiffness_form
 from .free_motions import PinnedMotions
@@ -202,15 +203,15 @@ def InfSup(V: CrackFESpace, W: TraceSpace, weight: CoefficientFunction = special
     -----
     `study.analysis.local_inf_sup` weighs with the length of each cut instead, which separates that effect from the pair's own.
     """
-    V.share.Refuse("InfSup")
     u, v = V.TnT()
     lam, mu = W.TnT()
     coupling = BilinearForm(trialspace=V, testspace=W)
     coupling += mu * NormalGap(u, V.body) * W.dcrack
     B = to_scipy(coupling.Assemble().mat)
-    H1 = BilinearForm((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx, symmetric=True).Assemble().mat
+    H1 = BilinearForm(V.share.Own((InnerProduct(Grad(u), Grad(v)) + u * v) * V.body.dx), symmetric=True).Assemble().mat
     M = to_scipy(BilinearForm(weight * lam * mu * W.dcrack).Assemble().mat).toarray()
     if not (np.diag(M) > 0).all() or not np.isfinite(M).all():
         raise ValueError("InfSup: weight must be positive and finite on the whole crack")
-    S = Elimination(H1, V.FreeDofs(), Unknowns(V).tips, B).S
+    exchange = exchange_of(V)
+    S = Elimination(H1, V.FreeDofs(), Unknowns(V).tips, exchange.Additive(B), exchange=exchange).S
     return float(np.sqrt(max(scipy.linalg.eigh(S, M, eigvals_only=True)[0], 0)))

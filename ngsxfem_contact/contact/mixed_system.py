@@ -128,14 +128,15 @@ class MixedSystem(ContactSystem):
         self.R = self.pressures.TractionRows()
         self.T = self.pressures.MomentRows(problem.W, lambda lam: lam)
         MR, MT = self.pressures.inverse @ self.R, self.pressures.inverse @ self.T
-        add_to(self.stiffness, self.R.T @ MR)
+        own = problem.V.share.IsOwn(np.array([T.element for T in self.pressures.locations], dtype=int)).repeat(self.pressures.dofs.shape[1])
+        add_to(self.stiffness, self.R.T @ scipy.sparse.diags(own.astype(float)) @ MR)
         n = problem.W.ndof
         self.E = scipy.sparse.vstack([self.E[:n] + self.T.T @ MR, self.E[n:]], format="csr")
         normal = self.D[:n, :n] - self.T.T @ MT
         self.D = scipy.sparse.block_diag([normal, self.D[n:, n:]], format="csr") if self.D.shape[0] > n else normal.tocsr()
 
     def _given_forces(self, shift: Callable[..., Any]) -> np.ndarray:
-        return super()._given_forces(shift) - self.R.T @ self._given(shift)
+        return super()._given_forces(shift) - self.exchange.Additive(self.R).T @ self._given(shift)
 
     def _given_moments(self, component: Component, shift: Callable[..., Any]) -> np.ndarray:
         moments = super()._given_moments(component, shift)

@@ -199,7 +199,8 @@ class NitscheSystem(ContactSystem):
         self.E = scipy.sparse.vstack([scipy.sparse.diags(-omega) @ g + R for g, R in zip(jumps, weighted)], format="csr")
         self.D = scipy.sparse.block_diag([scipy.sparse.diags(omega * gamma)] * len(components), format="csr")
         self.stiffness = stiffness_form(problem).Assemble().mat
-        add_to(self.stiffness, -self.theta * (self.R.T @ scipy.sparse.diags(1 / self.D.diagonal()) @ self.R))
+        own = np.tile(problem.V.share.IsOwn(nodes.points["nr"]), len(components))  # of each point one process adds what it gives
+        add_to(self.stiffness, -self.theta * (self.R.T @ scipy.sparse.diags(own / self.D.diagonal()) @ self.R))
 
     def _given_moments(self, component: Component, shift: Callable[..., Any]) -> np.ndarray:
         """ωγ r_0 of one component."""
@@ -208,7 +209,7 @@ class NitscheSystem(ContactSystem):
     def _given_forces(self, shift: Callable[..., Any]) -> np.ndarray:
         """θ ∫γ r_0 R_h(v) = -θ Rᵀ r_0."""
         values = np.concatenate([self.nodes.Values(self.traction.Given(component, shift)) for component in self.components])
-        return -self.theta * (self.R.T @ values)
+        return -self.theta * (self.exchange.Additive(self.R).T @ values)
 
     def CheckCone(self, cone: Cone) -> None:
         """Raises ValueError for the weak cone."""
@@ -234,7 +235,8 @@ class NitscheSystem(ContactSystem):
     @property
     def C(self) -> csr_matrix:
         """E, and γR beside it unless θ = 1."""
-        return self.E if self.theta == 1 else scipy.sparse.vstack([self.E, self.R], format="csr")
+        rows = self.E if self.theta == 1 else scipy.sparse.vstack([self.E, self.R], format="csr")
+        return self.exchange.Additive(rows)
 
     @property
     def distribution(self) -> csr_matrix:

@@ -63,7 +63,6 @@ class PathSteps:
     def __init__(
         self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None, previous: ContactSolution | FaceHistory | None = None
     ) -> None:
-        problem.V.share.Refuse("PathSteps")
         problem = problem.AtNodes()
         if not isinstance(problem.law, NodalLaw):
             raise TypeError(
@@ -101,7 +100,8 @@ class PathSteps:
         check_positive(step, "PathSteps: step")
         begin = self.last or self.reduced.Step(self.first, self.fixed)
         path = self._path(begin.state)
-        point, iterations = path.Step(step, max_iterations)
+        exchange = self.reduced.exchange
+        point, iterations = exchange.FromFirst(exchange.Together(lambda: path.Step(step, max_iterations)))
         logger.info("step of the faces by %g, load factor %g", step, point.t)
         found = FaceHistory(path.problem.Traction(point.z), path.problem.Jump(point.z))
         self.last = self.reduced.Step(StepOptions(None, found, max_iterations, begin), self.fixed + point.t * self.case)

@@ -123,8 +123,6 @@ class ContactProblem(Described):
         material = material_of(V, material)
         if stabilisation is not None:
             check_role(stabilisation, Stabilisation, "ContactProblem: stabilisation", "an object such as BarbosaHughes()")
-        V.share.Refuse("Nitsche's method", getattr(stabilisation, "System", None) is not None)
-        V.share.Refuse("A nearly incompressible material", material.nearly_incompressible)
         decide(V, material)
         check_modes(V, material)
         check_supported(V, material, stabilisation, friction if law is None else law)

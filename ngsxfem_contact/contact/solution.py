@@ -233,8 +233,6 @@ class ContactSolution(Described, AtTips, OfErrors):
 
         `total` of the table and the loads are in balance to round-off.
         """
-        share, pinned = self.problem.V.share, len(self.problem.supports.pinned)
-        share.Refuse("The reaction of a pin", share.Max(pinned) > 0)
         _, supports = self._found
         return supports.Forces(self.stress)
 

@@ -175,12 +175,12 @@ class ReducedProblem:
     def Faces(self, cone: Cone, history: FaceHistory | None, case: ReducedCase) -> Faces:
         """What the law is asked about."""
         _, balance = self.Signs(cone)
-        return Faces(self.system.nodes, cone, balance.compliance, np.diag(balance.Q), history, balance.B, self.motions.R.T @ case.forces)
+        return Faces(self.system.nodes, cone, balance.compliance, np.diag(balance.Q), history, balance.B, self.motions.Forces(case.forces))
 
     def RightSide(self, case: ReducedCase, cone: Cone) -> np.ndarray:
         """q of w = Q p + q, see Balance."""
         T, balance = self.Signs(cone)
-        return balance.RightSide(T.T @ (case.g - self._gaps(case)), self.motions.R.T @ case.forces)
+        return balance.RightSide(T.T @ (case.g - self._gaps(case)), self.motions.Forces(case.forces))
 
     def Whole(self, case: ReducedCase) -> ReducedCase:
         """A load with initial stress and temperature, which nothing scales."""
@@ -242,17 +242,9 @@ class ReducedProblem:
     def _measure(self, found: NodalSolution, U: np.ndarray, report: Report) -> None:
         """The residual of (38) and the complementarity of a solution, into the report."""
         forces = found.case.forces, self.system.Forces(found.L)
-        report.residual = max(self.elimination.RelativeResidual(forces, U), self._imbalance(*forces))
+        report.residual = max(self.elimination.RelativeResidual(forces, U), self.motions.Imbalance(*forces))
         report.complementarity = complementarity(self.system, self.problem, U, found)
         report.converged = max(report.residual, report.complementarity) < CONVERGED
-
-    def _imbalance(self, *forces: np.ndarray) -> float:
-        """Of the parts that only the faces hold, relative to the forces on them."""
-        R = self.motions.R
-        if not R.shape[1]:
-            return 0.0
-        size = np.abs(R).T @ sum(np.abs(force) for force in forces)
-        return float(np.abs(R.T @ sum(forces)).max() / max(size.max(), TINY))
 
 
 def is_on(problem: "ContactProblem", solution: ContactSolution) -> bool:

@@ -14,6 +14,7 @@ from ..arguments import check_number, check_whole
 from ..errors import SingularSystem
 from ..geometry import Crack, CrackedMesh
 from ..protocols import CrackInitiation, GrowthCriterion, GrowthLaw, members
+from ..share import share_in
 from ..spaces.resolution import warn_of_short_increment
 from ..tables import Table
 from .extension import ENDS, ROOM, arrival_of, check_room, extended, tip_number, turned, with_crack
@@ -212,7 +213,7 @@ class CrackGrowth:
         row = TipStep(self._count, -1, "new", x, y, 0.0, angle=new.angle, name=name, stress=new.stress)
         trial = [*cracks, Crack.OfPieces(new.crack.pieces, name)]
         try:
-            body = CrackedMesh(solution.body.mesh, *trial)
+            body = CrackedMesh(share_in(solution.body).source, *trial)
             for tip in body.tips:
                 if tip.crack == len(cracks):
                     check_room(body, solution.problem.material, tip.crack, ENDS[int(tip.s > 0)])
@@ -265,7 +266,7 @@ class CrackGrowth:
         tip = tuple(np.array(frame.tip.point) + advance * turned(frame, row.angle))
         trial = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tip))
         try:
-            check_room(CrackedMesh(solution.body.mesh, *trial), solution.problem.material, *key)
+            check_room(CrackedMesh(share_in(solution.body).source, *trial), solution.problem.material, *key)
         except Exception as obstacle:  # of the core: the new part leaves the body, meets its own crack, or has no room
             row.state = self._ended[key] = f"stopped: {obstacle}"
         else:
@@ -280,7 +281,7 @@ class CrackGrowth:
         goal, what = arrival
         try:
             longer = with_crack(cracks, row.crack, extended(cracks[row.crack], row.end, tuple(goal)))
-            fitted = CrackedMesh(mesh, *longer)
+            fitted = CrackedMesh(share_in(solution.body).source, *longer)
         except Exception:  # of the core, as in _grow
             return False
         if any((tip.crack, ENDS[int(tip.s > 0)]) == key for tip in fitted.tips):

@@ -15,6 +15,7 @@ from .._ngsxfem_contact import Crack
 from ..arguments import check_positive, check_type
 from ..errors import warn
 from ..points import mesh_arrays, mesh_points, place
+from ..share import share_in
 from ..spaces.resolution import element_sizes
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def stress_at(solution: ContactSolution, points: Any) -> np.ndarray:
 
 def size_at(body: CrackedMesh, point: Sequence[float] | np.ndarray) -> float:
     """Of the element at a point."""
-    return float(element_sizes(body, [body.mesh(*point).nr])[0])
+    return float(share_in(body).AtPoints([point], lambda points: element_sizes(body, np.atleast_1d(points)["nr"].tolist()))[0])
 
 
 def warn_of_small_radius(who: str, radius: float, point: tuple[float, float], size: float, least: int) -> None:
@@ -88,10 +89,11 @@ class StressSamples:
     """σ of a solution at the points of a rule with their weights, in some regions; means over disks."""
 
     def __init__(self, solution: ContactSolution, region: str) -> None:
-        mesh = solution.body.mesh
+        mesh, self.share = solution.body.mesh, solution.problem.V.share
         element, xi, eta, self.weights, x, y = solution.body.dx.Points(2 * solution.problem.V.order)
         inside = np.array(list(mesh.Materials(region).Mask()), dtype=bool)[mesh.ngmesh.Elements2D().NumPy()["index"] - 1][element]
-        if not inside.any():
+        inside &= self.share.IsOwn(element)
+        if not self.share.Max(inside.any()):
             raise ValueError(f"StressInitiation: region={region!r} matches no region; the mesh has {sorted(set(mesh.GetMaterials()))}")
         element, xi, eta, self.weights, x, y = (values[inside] for values in (element, xi, eta, self.weights, x, y))
         self.positions, self.stresses = np.column_stack([x, y]), stress_at(solution, mesh_points(mesh, element, xi, eta))
@@ -104,16 +106,17 @@ class StressSamples:
 
     def Reach(self, points: np.ndarray, radius: float, strength: float) -> np.ndarray:
         """(n,) boolean: at which of points (n, 2) the mean over a disk may have a principal stress of the strength, since a point of the disk has."""
-        high = self.positions[self.largest >= strength]
+        high = np.concatenate(self.share.Gather(self.positions[self.largest >= strength]))
         return scipy.spatial.cKDTree(high).query(points)[0] <= radius if len(high) else np.zeros(len(points), dtype=bool)
 
     def Means(self, points: np.ndarray, radius: float) -> np.ndarray:
-        """(n, 3): the mean of σ over the part of each disk that is in the body; 0 where there is none."""
-        means = np.zeros((len(points), 3))
+        """(n, 3): the mean of σ over the part of each disk that is in the body; 0 where there is none. All processes ask for the same points."""
+        sums = np.zeros((len(points), 4))
         for i, inside in enumerate(self.tree.query_ball_point(points, radius)):
             if inside:
-                means[i] = self.weights[inside] @ self.stresses[inside] / self.weights[inside].sum()
-        return means
+                sums[i] = self.weights[inside] @ np.column_stack([self.stresses[inside], np.ones(len(inside))])
+        *stresses, area = self.share.Sum(sums).T
+        return np.divide(stresses, area, out=np.zeros((3, len(points))), where=area > 0).T
 
 
 def principal(stress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,6 +124,11 @@ def principal(stress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     xx, yy, xy = stress.T
     angle = 0.5 * np.arctan2(2 * xy, xx - yy)
     return 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy), np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def first_largest(values: np.ndarray) -> int:
+    """Where the first of the largest values is: means over disks that hold the same points differ by round-off only."""
+    return int(np.argmax(values >= values.max() - 1e-9 * abs(values.max())))
 
 
 @dataclass(frozen=True)
@@ -196,7 +204,7 @@ class StressInitiation:
         fits[fits] = self._clear(body, points[fits])
         if not fits.any():
             return None
-        i = int(np.argmax(np.where(fits, stresses, -np.inf)))
+        i = int(np.flatnonzero(fits)[first_largest(stresses[fits])])
         crack = segment(points[i], points[i] + self.length * np.sign(slope[i]) * across[i])
         name = str(names[i])
         return self._new(body, crack, 0.0, float(stresses[i]), name, f"on the boundary {name!r}")
@@ -206,18 +214,20 @@ class StressInitiation:
             return None
         points = mesh_arrays(body.mesh)[0]
         points = points[samples.Reach(points, self.radius, self.strength)]
+        points = np.unique(np.concatenate(samples.share.Gather(points)), axis=0)
         points = points[self._clear(body, points) & self._inland(body, points)]
         if not len(points):
             return None
-        best = points[np.argmax(principal(samples.Means(points, self.radius))[0])]
-        for step in size_at(body, best) * 0.5 ** np.arange(1, 6):  # between vertices
+        best = points[first_largest(principal(samples.Means(points, self.radius))[0])]
+        for step in self.radius * 0.5 ** np.arange(1, 7):  # between vertices
             around = best + step * np.array([(i, j) for i in (0, -1, 1) for j in (0, -1, 1)])
-            best = around[np.argmax(principal(samples.Means(around, self.radius))[0])]
+            best = around[first_largest(principal(samples.Means(around, self.radius))[0])]
         (stress,), (direction,) = principal(samples.Means(best[None], self.radius))
         if stress < self.strength:
             return None
         half = 0.5 * self.length * np.array([-direction[1], direction[0]])
-        origin = body.mesh.GetMaterials()[body.mesh.ngmesh.Elements2D().NumPy()["index"][body.mesh(*best).nr] - 1]
+        region = samples.share.AtPoints([best], lambda points: body.mesh.ngmesh.Elements2D().NumPy()["index"][np.atleast_1d(points)["nr"]])
+        origin = body.mesh.GetMaterials()[int(region[0]) - 1]
         return self._new(body, segment(best - half, best + half), 0.5 * self.length, float(stress), origin, f"in {origin!r}")
 
     def _inland(self, body: CrackedMesh, points: np.ndarray) -> np.ndarray:

@@ -118,7 +118,7 @@ class JunctionInitiation:
         hoop = np.zeros(len(angles))
         for radius in radii:
             points = (point + radius * self.distance * ways)[free]
-            xx, yy, xy = stress_at(solution, solution.body.mesh(*points.T)).T
+            xx, yy, xy = solution.problem.V.share.AtPoints(points, lambda here: stress_at(solution, here)).T
             a, b = around[free].T
             hoop[free] += (a * a * xx + b * b * yy + 2 * a * b * xy) / len(radii)
         width = int(half * len(angles) / 360)

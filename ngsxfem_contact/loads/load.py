@@ -59,12 +59,15 @@ class LoadForm(LinearForm):
         self.V, self.given = V, []
 
     def __iadd__(self, form: Any) -> LoadForm:
-        is_point = isinstance(form, fem.PointEvaluationFunctional)
-        if is_point and self.V.mesh.dim == 3:
-            raise ValueError(f"{NAME_F}: point loads are there for plane bodies only; distribute the force over a part of the body or of its boundary")
-        self.V.share.Refuse("A point load", is_point)
-        given: list[Any] = [PointLoad(form)] if is_point else self.V.share.Together(lambda: self._checked(form))
-        super().__iadd__(form if is_point else self.V.share.Own(form))
+        if isinstance(form, fem.PointEvaluationFunctional):
+            if self.V.mesh.dim == 3:
+                raise ValueError(f"{NAME_F}: point loads are there for plane bodies only; distribute the force over a part of the body or of its boundary")
+            given: list[Any] = [PointLoad(form)]
+            if given[0].IsOwn(self.V):
+                super().__iadd__(form)
+        else:
+            given = self.V.share.Together(lambda: self._checked(form))
+            super().__iadd__(self.V.share.Own(form))
         self.given += given
         return self
 
@@ -124,6 +127,13 @@ class PointLoad:
 
     def __reduce__(self) -> Any:
         return PointLoad, (self.form,)
+
+    def IsOwn(self, V: CrackFESpace) -> bool:
+        """Whether the point is this process's. Raises ValueError where it is nobody's."""
+        try:
+            return bool(V.share.Has([self.point])[0])
+        except ValueError as outside:
+            raise ValueError(f"{NAME_F}: the point of a load {outside}") from None
 
     def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """0: domains of integration keep clear of the point."""
@@ -229,7 +239,10 @@ class LoadTerms:
         total = np.zeros(V.ndof)
         for factor, given in self.parts:
             form = LinearForm(V)
-            form += given.form if isinstance(given, PointLoad) else V.share.Own(given.form)
+            if not isinstance(given, PointLoad):
+                form += V.share.Own(given.form)
+            elif given.IsOwn(V):
+                form += given.form
             total += factor * form.Assemble().vec.FV().NumPy()
         return total
 

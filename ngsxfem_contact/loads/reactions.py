@@ -10,6 +10,7 @@ import numpy as np
 from ngsolve import BND, ElementId, GridFunction, x, y
 
 from ..pickling import dofs_of, numbers_of, packed, unpacked
+from ..spaces.exchange import exchange_of
 from ..spaces.unknowns import Unknowns
 from ..tables import Table
 
@@ -174,10 +175,15 @@ class SupportResidual:
         with the residual are forces and moment, and only φ_i count.
         """
         V = self.V
-        whole = Holder("springs and joints", np.arange(Unknowns(V).polynomial.stop)) if self.springs.any() else None
-        held = [*zip(self.holders, self._divided(V, stress)), *([(whole, self.springs[whole.dofs])] if whole else [])]
-        coordinates = interpolated_coordinates(V)
-        return SupportForces((support_force(V, coordinates, holder, forces) for holder, forces in held), V.mesh.dim)
+        coordinates, exchange = interpolated_coordinates(V), exchange_of(V)
+        here = [support_force(V, coordinates, holder, forces) for holder, forces in zip(self.holders, self._divided(V, stress))]
+        of_all = exchange.Gather([row if len(holder.dofs) else None for row, holder in zip(here, self.holders)])
+        rows = [next((row for row in of_one if row), own) for own, *of_one in zip(here, *of_all)]  # a pin may be at others only
+        if exchange.Max(np.abs(self.springs).max(initial=0)):
+            whole = Holder("springs and joints", np.arange(Unknowns(V).polynomial.stop))
+            part = support_force(V, coordinates, whole, exchange.Additive(self.springs)[whole.dofs])
+            rows.append(SupportForce(whole.name, exchange.Sum(part.force), exchange.Sum(part.moment)))
+        return SupportForces(rows, V.mesh.dim)
 
     def _divided(self, V: CrackFESpace, stress: CoefficientFunction) -> list[np.ndarray]:
         """What each holder exerts on each of its unknowns: ∫ φ_i σn where holders meet, and its share of what is left."""

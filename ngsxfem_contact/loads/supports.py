@@ -66,6 +66,8 @@ class Supports:
         Unknown → (vertex, component, value).
     functions
         What SetDirichlet was given, (value, region) in its order; a file does not hold it.
+    points
+        Of pins, those that other processes hold among them.
     """
 
     def __init__(self, V: CrackFESpace) -> None:
@@ -77,7 +79,7 @@ class Supports:
             for k in range(self.dimension)
             if V.HeldRegions(k)[region]
         }
-        self.sides, self.pins = dict(self._declared), {}
+        self.sides, self.pins, self.points = dict(self._declared), {}, []
         self.functions: list[tuple[Any, str]] = []
 
     def __reduce__(self) -> Any:
@@ -95,8 +97,9 @@ class Supports:
         named = component_numbers(self.dimension)
         if components not in named:
             raise ValueError(f"Pin: components={components!r} is not one of {sorted(named)}")
-        vertex = self._vertex_at(point)
+        vertex, at = self._vertex_at(point)
         self.V.share.Together(lambda: self._pin(point, vertex, components, value) if vertex >= 0 else None)
+        self.points.append(at)
 
     def _pin(self, point: Sequence[float], vertex: int, components: str, value: Any) -> None:
         if len(self.V.GetDofNrs(NodeId(VERTEX, vertex))) > self.dimension:
@@ -115,8 +118,8 @@ class Supports:
         self.pins |= pins
         self._apply()
 
-    def _vertex_at(self, point: Sequence[float]) -> int:
-        """-1: one that other processes hold."""
+    def _vertex_at(self, point: Sequence[float]) -> tuple[int, tuple[float, ...]]:
+        """Its number, -1 of one that other processes hold, and where it is."""
         if np.shape(point) != (self.dimension,) or not all(isinstance(coordinate, Real) for coordinate in point):
             where, form = ("the plane", "(x, y)") if self.dimension == 2 else ("space", "(x, y, z)")
             raise ValueError(f"Pin: {point!r} is not a point of {where}; give {form}")
@@ -126,7 +129,7 @@ class Supports:
         _, size, best = min(self.V.share.Gather((float(distance[nearest]), float(np.ptp(vertices, axis=0).max()), tuple(vertices[nearest].tolist()))))
         if not np.hypot(*np.subtract(best, point)) <= 1e-8 * size:
             raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {best}")
-        return nearest if tuple(vertices[nearest].tolist()) == best else -1
+        return nearest if tuple(vertices[nearest].tolist()) == best else -1, best
 
     def SetDirichlet(self, value: Any, region: Any) -> None:
         """See ContactProblem.SetDirichlet."""
@@ -218,11 +221,12 @@ class Supports:
         for key in sorted(dofs):
             name = self.V.mesh.GetBoundaries()[key[0]]
             holders[name] = holders.get(name, Holder(name)) + Holder(name, dofs[key], weights[key] / total[dofs[key]])
-        for dof, (vertex, _, _) in self.pins.items():
-            if total[dof] == 0:
-                name = f"pin at {place(self.V, vertex)}"
-                point = self.V.mesh[NodeId(VERTEX, vertex)].point
-                holders[name] = holders.get(name, Holder(name, point=point)) + Holder(name, np.array([dof]), np.ones(1))
+        here = [self.V.mesh[NodeId(VERTEX, vertex)].point for vertex, _, _ in self.pins.values()]
+        pins = [(point, dof) for point, dof in zip(here, self.pins) if total[dof] == 0]
+        for point in dict.fromkeys(point for point in self.points if point not in here or any(point == of_one for of_one, _ in pins)):
+            dofs = np.array([dof for of_one, dof in pins if of_one == point], dtype=int)
+            name = "pin at ({:g}, {:g})".format(*point)
+            holders[name] = holders.get(name, Holder(name, point=point)) + Holder(name, dofs, np.ones(len(dofs)))
         return list(holders.values())
 
     def CornerEdges(self) -> list[CornerEdge]:
@@ -266,6 +270,7 @@ def supports_of(V: CrackFESpace, sides: dict[tuple[int, int], HeldSide], pins: l
     supports, dofs = Supports(V), dofs_of(V, *(side.dofs for side in sides.values()))
     supports.sides = {key: replace(side, dofs=own) for (key, side), own in zip(sides.items(), dofs)}
     supports.pins = {V.GetDofNrs(NodeId(VERTEX, pin[0]))[pin[1]]: pin for pin in pins}
+    supports.points = [V.mesh[NodeId(VERTEX, vertex)].point for vertex, _, _ in pins]
     supports._apply()
     return supports
 

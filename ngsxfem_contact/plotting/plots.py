@@ -19,8 +19,10 @@ from ..arguments import check_number, check_positive
 from ..files import write_whole
 from ..operators import Minus, Plus
 from ..points import mesh_arrays
+from ..share import share_in
 from ..spaces.unknowns import Unknowns
-from .split_mesh import SharedTriangles, SplitMesh
+from .picture import Picture
+from .split_mesh import SplitMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +63,7 @@ def visible_scale(split: SplitMesh, displacement: np.ndarray, scale: float | Non
     if scale is not None:
         check_number(scale, "scale")
         return scale
-    largest = np.linalg.norm(displacement, axis=1).max()
+    largest = share_in(split.body).Max(np.linalg.norm(displacement, axis=1).max())
     return float(f"{0.05 * np.ptp(split.points, axis=0).max() / largest:.2g}") if largest > 0 else 1.0
 
 
@@ -79,20 +81,22 @@ def legend_below(ax: Any) -> None:
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
 
 
-def shown_values(solution: ContactSolution, split: SplitMesh, field: CoefficientFunction | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Values (M,3,dim) of a field, one-sided at the lips, and the colours' range; field=None: the von Mises stress.
+def picture_of(solution: ContactSolution, scale: float | None, field: CoefficientFunction | None = None) -> tuple[Picture, float, np.ndarray, np.ndarray]:
+    """(Picture, scale, scaled displacement (N, 2), values (M, 3, dim) of a field, one-sided at the lips); field=None: the von Mises stress."""
+    split, u = split_displacement(solution)
+    picture, scale = Picture(split, solution.problem.V.share), visible_scale(split, u, scale)
+    return picture, scale, picture.Whole(scale * u), picture.Whole(split.EvaluateInside(solution.VonMises() if field is None else CF(field)))
 
-    Stresses are infinite at tips: the range leaves out the least and the largest 2 % of the values.
-    """
-    field = solution.VonMises() if field is None else CF(field)
-    values = split.EvaluateInside(field)
-    return values, np.quantile(np.linalg.norm(values, axis=-1) if field.dim > 1 else values, (0.02, 0.98))
+
+def colour_range(values: np.ndarray) -> np.ndarray:
+    """Of values (M, 3, dim). Stresses are infinite at tips: the range leaves out the least and the largest 2 %."""
+    return np.quantile(np.linalg.norm(values, axis=-1) if values.shape[-1] > 1 else values, (0.02, 0.98))
 
 
 def plot_body(
     solution: ContactSolution, ax: Any = None, scale: float | None = None, field: CoefficientFunction | None = None, label: str = "von Mises stress"
 ) -> Any:
-    """The deformed body, coloured by a scalar field, and the two lips of each crack; returns the axes.
+    """The deformed body, coloured by a scalar field, and the two lips of each crack; returns the axes, of several processes on the first one, else None.
 
     Parameters
     ----------
@@ -109,18 +113,21 @@ def plot_body(
     -----
     The colours leave out the least and the largest 2 % of the values.
     """
-    solution.problem.V.share.Refuse("A picture of the body")
-    split, u = split_displacement(solution)
-    scale = visible_scale(split, u, scale)
+    picture, scale, u, values = picture_of(solution, scale, field)
+    return picture.share.Together(lambda: drawn_body(picture, scale, u, values, ax, label) if picture.share.is_first else None)
+
+
+def drawn_body(picture: Picture, scale: float, u: np.ndarray, values: np.ndarray, ax: Any, label: str) -> Any:
+    """The axes with a Picture of the body, displaced by u (N, 2), coloured by values (M, 3, 1)."""
     ax = ax or pyplot().subplots(layout="constrained")[1]
-    values, (low, high) = shown_values(solution, split, field)
-    shape = split.points + scale * u
-    corners = shape[split.triangles].reshape(-1, 2)
+    low, high = colour_range(values)
+    shape = picture.points + u
+    corners = shape[picture.triangles].reshape(-1, 2)
     numbers = np.arange(len(corners)).reshape(-1, 3)
     colours = ax.tripcolor(*corners.T, numbers, values.ravel(), shading="gouraud", vmin=low, vmax=high)
     ax.figure.colorbar(colours, ax=ax, label=label, extend="both")
     for side, (name, colour) in LIPS.items():
-        edges = shape[split.lips[split.lip_side == side]]
+        edges = shape[picture.lips[picture.lip_side == side]]
         lines = np.concatenate([edges, np.full_like(edges[:, :1], np.nan)], axis=1).reshape(-1, 2)  # nan lifts the pen
         ax.plot(*lines.T, color=colour, linewidth=1.2, label=name)
     legend_below(ax)
@@ -181,6 +188,7 @@ def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
     ax : Axes
         Of matplotlib; default new ones.
     """
+    V.share.Refuse("A picture of the mesh")
     body = V.body
     ax = ax or pyplot().subplots(layout="constrained")[1]
     vertices, elements = mesh_arrays(body.mesh)
@@ -228,14 +236,18 @@ def save_vtk(solution: ContactSolution, path: str | Path) -> str:
     names = ["von_mises", "stress_xx", "stress_yy", "stress_xy"]
     scalars = CF((solution.VonMises(), stress[0, 0], stress[1, 1], stress[0, 1]))
     values, side = split.EvaluateInside(scalars), np.repeat(split.side, 3).reshape(-1, 3, 1)
-    drawn = SharedTriangles(split, share)
-    fields = [CF((drawn.GridFunction(u), 0)), *(drawn.GridFunction(values[..., [i]]) for i in range(4)), drawn.GridFunction(side)]
-    write = lambda temporary: VTKOutput(drawn.mesh, fields, ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()
+    picture = Picture(split, share)
+    columns = [picture.Whole(u), *(picture.Whole(values[..., [i]]) for i in range(4)), picture.Whole(side)]
+
+    def write(temporary: Path) -> None:
+        u, *others = map(picture.GridFunction, columns)
+        VTKOutput(picture.mesh, [CF((u, 0)), *others], ["displacement", *names, "side"], filename=str(temporary.with_suffix(""))).Do()
+
     return share.Together(lambda: str(write_whole(path, write, end=b"</VTKFile>") if share.is_first else path))
 
 
 def draw(solution: ContactSolution, field: CoefficientFunction | None = None, scale: float | None = None, **options: Any) -> Any:
-    """ngsolve.webgui.Draw of a field on the deformed split mesh, the lips drawn as edges.
+    """ngsolve.webgui.Draw of a field on the deformed split mesh, the lips drawn as edges; of several processes the first one draws, others return None.
 
     Parameters
     ----------
@@ -248,17 +260,21 @@ def draw(solution: ContactSolution, field: CoefficientFunction | None = None, sc
     """
     from ngsolve.webgui import Draw
 
-    solution.problem.V.share.Refuse("A picture of the body")
-    split, u = split_displacement(solution)
-    values, (low, high) = shown_values(solution, split, field)
-    scale = visible_scale(split, u, scale)
+    picture, _, u, values = picture_of(solution, scale, field)
+    return picture.share.Together(lambda: drawn_in_webgui(Draw, picture, u, values, options) if picture.share.is_first else None)
+
+
+def drawn_in_webgui(Draw: Any, picture: Picture, u: np.ndarray, values: np.ndarray, options: dict[str, Any]) -> Any:
+    """What Draw of NGSolve's webgui returns for a Picture, displaced by u (N, 2), coloured by values (M, 3, dim)."""
+    low, high = colour_range(values)
     defaults = {"order": 1, "autoscale": False, "min": float(low), "max": float(high), "settings": {"Objects": {"Wireframe": False}}}
     # scaled here: Draw applies its own scale to no deformation that is a function
-    return Draw(split.GridFunction(values), split.mesh, "field", deformation=split.GridFunction(scale * u), **defaults | options)
+    return Draw(picture.GridFunction(values), picture.mesh, "field", deformation=picture.GridFunction(u), **defaults | options)
 
 
 def animate(solutions: Sequence[ContactSolution], path: str | Path, titles: Sequence[str], scale: float | None = None, seconds: float = 0.5) -> str:
     """Writes plot_body of every solution, at one scale, as an animated GIF; returns its name. It appears when it is complete."""
+    solutions[0].problem.V.share.Refuse("An animation")
     plt = pyplot()
     from matplotlib.animation import PillowWriter
 

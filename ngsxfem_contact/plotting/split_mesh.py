@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ngsolve import BitArray, CoefficientFunction
 
     from .._ngsxfem_contact import Crack, CrackedMesh, PartTriangle
-    from ..share import Share
 
 LIPS = (1, -1)  # plus and minus
 BESIDE = 1e-9  # of the way to a triangle's centre: beside a point at which cracks meet, where no crack has a side of its own
@@ -141,35 +140,12 @@ class SplitMesh:
     def mesh(self) -> Mesh:
         """An ngsolve.Mesh: vertex i is points[i], element i triangles[i]; boundaries as the body's, and "crack" for the lips."""
         if self._mesh is None:
-            self._mesh = ngsolve_mesh(self)
+            self._mesh = boundary_mesh(self.points, self.triangles, *boundary_edges(self)[:2])
         return self._mesh
 
     def GridFunction(self, values: np.ndarray) -> GridFunction:
         """On `mesh`: continuous from values (N, dim) at the points, discontinuous from values (M, 3, dim) at the corners."""
         return linear_function(self.mesh, values)
-
-
-class SharedTriangles:
-    """The own triangles of the SplitMeshes of all processes, one after the other; points between processes are there once for each of them.
-
-    Parameters
-    ----------
-    split : SplitMesh
-        Of this process.
-    share
-        Its Share.
-    """
-
-    def __init__(self, split: SplitMesh, share: Share) -> None:
-        self.share, self.own = share, share.IsOwn(split.element)
-        self.used, corners = np.unique(split.triangles[self.own], return_inverse=True)
-        points, triangles = zip(*share.Gather((split.points[self.used], corners.reshape(-1, 3))))
-        first = np.cumsum([0, *map(len, points)])
-        self.mesh = Mesh(triangle_mesh(np.concatenate(points), np.concatenate([own + start for own, start in zip(triangles, first)])))
-
-    def GridFunction(self, values: np.ndarray) -> GridFunction:
-        """On `mesh`, from the values that each process has, as of a SplitMesh."""
-        return linear_function(self.mesh, np.concatenate(self.share.Gather(values[self.used if values.ndim == 2 else self.own])))
 
 
 def linear_function(mesh: Mesh, values: np.ndarray) -> GridFunction:
@@ -352,10 +328,9 @@ def reference_coordinates(mesh: Mesh, corners: np.ndarray, element: np.ndarray) 
     return np.stack([cross(d, b), cross(a, d)], axis=-1) / cross(a, b)[..., None]
 
 
-def ngsolve_mesh(split: SplitMesh) -> Mesh:
-    """The mesh of NGSolve with the points, triangles and boundaries of a SplitMesh."""
-    mesh = triangle_mesh(split.points, split.triangles)
-    edges, names = boundary_edges(split)
+def boundary_mesh(points: np.ndarray, triangles: np.ndarray, edges: np.ndarray, names: np.ndarray) -> Mesh:
+    """The mesh of NGSolve with points (N, 2), triangles (M, 3), and edges (n, 2) on boundaries with names (n,)."""
+    mesh = triangle_mesh(points, triangles)
     for i, name in enumerate(np.unique(names)):
         mesh.AddElements(dim=1, index=i + 1, data=edges[names == name].astype(np.int32), base=0)
         mesh.SetBCName(i, str(name))
@@ -373,8 +348,8 @@ def triangle_mesh(points: np.ndarray, triangles: np.ndarray) -> Any:
     return mesh
 
 
-def boundary_edges(split: SplitMesh) -> tuple[np.ndarray, np.ndarray]:
-    """Edges (n,2) of a SplitMesh that only one triangle has, and the names of their boundaries."""
+def boundary_edges(split: SplitMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Edges (n,2) of a SplitMesh that only one triangle has, the names of their boundaries, "" where other processes go on, and their triangles."""
     corners = np.setdiff1d(np.arange(split.triangles.size), np.concatenate(twin_edges(split.triangles)))
     ends = np.stack([corners, next_corner(corners)], axis=1)
     xi, eta = np.moveaxis(split.reference.reshape(-1, 2)[ends], -1, 0)
@@ -383,4 +358,5 @@ def boundary_edges(split: SplitMesh) -> tuple[np.ndarray, np.ndarray]:
     between = np.sort([elements[split.element[corners // 3], (opposite + k) % 3] for k in (1, 2)], axis=0).T
     names = {tuple(sorted(v.nr for v in edge.vertices)): edge.mat for edge in mesh.Elements(BND)}
     on_crack = np.isin(corners, split.lip_edges)
-    return split.triangles.ravel()[ends], np.array(["crack" if c else names[tuple(pair)] for c, pair in zip(on_crack, between.tolist())])
+    found = ["crack" if c else names.get(tuple(pair), "") for c, pair in zip(on_crack, between.tolist())]
+    return split.triangles.ravel()[ends], np.array(found, dtype=str), corners // 3

@@ -204,7 +204,7 @@ class RigidMotions:
 
     def Free(self, fixed: np.ndarray, springs: StiffnessForm) -> FreeMotions | None:
         """Those that are not held, or None if all parts are; fixed, springs: see Constraints."""
-        free = without_effect(self.Constraints(fixed, springs))
+        free = self.share.FromFirst(without_effect(self.Constraints(fixed, springs)))
         return FreeMotions(self, free.reshape(-1, self.copies.parts, self.number)) if len(free) else None
 
 

@@ -11,6 +11,7 @@ from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunctio
 from .._ngsxfem_contact import CrackedSolid
 from ..algebra.elimination import Elimination
 from ..arguments import check_function
+from .exchange import exchange_of
 from .unknowns import Unknowns
 
 if TYPE_CHECKING:
@@ -44,10 +45,10 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     -----
     With several cracks the same pair is used at each.
     """
-    V.share.Refuse("Interpolant")
     V.body.CheckMesh()
     unknowns = Unknowns(V)
-    one_sided = [_smooth(V, f, name) for f, name in ((plus, "plus"), (minus if minus is not None else plus, "minus"))]
+    given = ((plus, "plus"), (minus if minus is not None else plus, "minus"))
+    one_sided = V.share.Together(lambda: [_smooth(V, f, name) for f, name in given])
     u = GridFunction(V)
     vec = u.vec.FV().NumPy()
     sides = _own_sides(V)
@@ -143,13 +144,13 @@ def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: i
     ValueError
         For a function that is not finite or has another number of components.
     """
-    V.share.Refuse("Projection")
-    u, v = V.TnT()
-    mass = BilinearForm(u * v * V.body.dx, symmetric=True).Assemble().mat
+    share, (u, v) = V.share, V.TnT()
+    mass = BilinearForm(share.Own(u * v * V.body.dx), symmetric=True).Assemble().mat
     function = check_function(function, "Projection: function", V.mesh.dim)
-    load = finite(LinearForm(function * v * V.body.dx(bonus_intorder=bonus_intorder)).Assemble().vec.FV().NumPy(), "Projection: function")
+    load = LinearForm(share.Own(function * v * V.body.dx(bonus_intorder=bonus_intorder))).Assemble().vec.FV().NumPy()
+    share.Together(lambda: finite(load, "Projection: function"))
     result = GridFunction(V)
     everything = BitArray(V.ndof)
     everything.Set()
-    result.vec.FV().NumPy()[:] = Elimination(mass, everything, Unknowns(V).tips).SolveRefined(load)
+    result.vec.FV().NumPy()[:] = Elimination(mass, everything, Unknowns(V).tips, exchange=exchange_of(V)).SolveRefined(load)
     return result

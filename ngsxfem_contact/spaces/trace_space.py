@@ -71,7 +71,7 @@ class TraceSpace(Described, core.TraceSpace):
             raise TypeError(f"TraceSpace: nodes={nodes!r} are no arc lengths, one list of numbers for each crack") from None
         if basis not in ("nodal", "trace"):
             raise ValueError(f"TraceSpace: basis={basis!r} is not 'nodal' or 'trace'")
-        share_in(body).Refuse("TraceSpace(basis='trace')", basis == "trace" and order > 0)
+        share_in(body).Refuse("TraceSpace(basis='trace') of order 2 or more", basis == "trace" and order > 1)
         if basis == "trace" and order > 0:
             functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
         super().__init__(body, functions, order)

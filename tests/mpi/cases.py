@@ -1,17 +1,22 @@
 """What several processes do: `mpirun -n 3 python tests/mpi/cases.py NAME` runs the case of that name and prints "passed" on each of them."""
 
 import sys
+import tempfile
 
+import matplotlib
+import numpy as np
+import pytest
 from mpi4py import MPI
 from netgen.geom2d import SplineGeometry, unit_square
 from ngsolve import CF, IfPos, Integrate, Mesh, dx, sqrt, x, y
 
-from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, Nitsche, TraceSpace
-from ngsxfem_contact.contact import Coercivity, ConditionNumber, InfSup, PathSteps
+from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact.contact import Coercivity, ConditionNumber
 from ngsxfem_contact.errors import SingularSystem
-from ngsxfem_contact.plotting import plot_body
+from ngsxfem_contact.plotting import plot_body, plot_mesh
+from ngsxfem_contact.plotting.picture import Picture
+from ngsxfem_contact.plotting.plots import animate, split_displacement
 from ngsxfem_contact.processes import DistributedMesh, together
-from ngsxfem_contact.spaces import Interpolant, Projection
 
 COMM = MPI.COMM_WORLD
 STEEL = Elasticity.PlaneStrain(E=210e3, nu=0.3)
@@ -86,24 +91,45 @@ def what_is_not_supported_is_refused():
     solution = problem().Solve()
     for action in (
         lambda: CrackedMesh(curved, Crack([(-0.2, 0), (0.3, 0)])),
-        lambda: TraceSpace(solution.body, basis="trace"),
-        lambda: problem(stabilisation=Nitsche()),
-        lambda: problem(material=Elasticity.PlaneStrain(E=1, nu=0.4999)),
-        lambda: problem(THROUGH, dirichlet="bottom", load=(0, -1)).Solve(),  # the upper part is held by contact and by nothing else
+        lambda: TraceSpace(solution.body, order=2, basis="trace"),
         lambda: problem(stabilisation=BarbosaHughes(gamma0=1)).Solve(),
         lambda: problem().Solve(inverse="sparsecholesky"),
         lambda: Coercivity(solution.problem),
         lambda: ConditionNumber(solution.problem),
-        lambda: InfSup(solution.problem.V, solution.problem.W),
-        lambda: Interpolant(solution.problem.V, (0, 0)),
-        lambda: Projection(solution.problem.V, (0, 0)),
-        lambda: PathSteps(solution.problem),
         lambda: solution.Save("body.solution"),
-        solution.Draw,
-        lambda: plot_body(solution),
+        lambda: plot_mesh(solution.problem.V),
+        lambda: animate([solution], "body.gif", ["body"]),
     ):
         refused(action, NotImplementedError, words)
-    refused(lambda: CrackedMesh(solution.body.mesh, INCLINED), NotImplementedError, "DistributedMesh")  # growth, and what is read from a file
+    refused(lambda: CrackedMesh(solution.body.mesh, INCLINED), NotImplementedError, "DistributedMesh")
+
+
+def point_loads():
+    """A point is that of one process, also between processes; outside of the body none is."""
+    solved = problem()
+    vertices = np.unique(np.concatenate(COMM.allgather(solved.body.mesh.ngmesh.Coordinates()[:, :2])), axis=0)
+    share, points = solved.body.share, np.concatenate([vertices, 0.5 * (vertices + 0.3 * vertices[::-1] + 0.35)])
+    assert (np.sum(COMM.allgather(share.Has(points).astype(int)), axis=0) == 1).all()
+    assert share.AtPoints(points, CF((x, y))) == pytest.approx(points, abs=1e-14)
+    refused(lambda: solved.f.__iadd__(solved.V.TestFunction()[1](1.5, 0.5)), ValueError, "problem.f: the point of a load (1.5, 0.5) lies outside of the body")
+
+
+def pictures_are_drawn_by_the_first():
+    """With all that belongs to the body, once; others draw nothing."""
+    matplotlib.use("Agg")
+    solution, folder = problem().Solve(), tempfile.mkdtemp()
+    split, u = split_displacement(solution)
+    picture = Picture(split, solution.body.share)
+    ax, drawn = plot_body(solution), solution.Draw(filename=f"{folder}/body.html", show=False)
+    assert [figure is not None for figure in (ax, drawn)] == [COMM.rank == 0] * 2
+    if COMM.rank == 0:
+        area = Integrate(CF(1), picture.mesh)
+        length = {name: Integrate(CF(1), picture.mesh, definedon=picture.mesh.Boundaries(name)) for name in set(picture.mesh.GetBoundaries())}
+        crack = INCLINED.length
+        assert area == pytest.approx(1, abs=1e-13) and length == pytest.approx({"left": 1, "right": 1, "top": 1, "bottom": 1, "crack": 2 * crack}, abs=1e-12)
+        assert {line.get_label(): len(line.get_xdata()) for line in ax.get_lines()}.keys() == {"plus lip", "minus lip"}
+        assert picture.points.shape == picture.Whole(u).shape if COMM.size == 1 else len(picture.points) > 0
+    refused(lambda: plot_body(solution, scale=float("inf")), ValueError, "scale=inf must be finite")
 
 
 def what_is_wrong_is_refused_on_all():
@@ -123,7 +149,15 @@ def an_error_of_one_process_ends_all():
     solved.Solve()
 
 
-CASES = [distributed_mesh, errors_are_raised_on_all, a_mesh_of_each_process_is_refused, what_is_not_supported_is_refused, what_is_wrong_is_refused_on_all]
+CASES = [
+    distributed_mesh,
+    errors_are_raised_on_all,
+    a_mesh_of_each_process_is_refused,
+    what_is_not_supported_is_refused,
+    what_is_wrong_is_refused_on_all,
+    point_loads,
+    pictures_are_drawn_by_the_first,
+]
 
 if __name__ == "__main__":
     globals()[sys.argv[1]]()

@@ -7,14 +7,19 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from mpi4py import MPI
 from netgen.geom2d import SplineGeometry, unit_square
-from ngsolve import CF, x, y
+from ngsolve import CF, Integrate, x, y
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, TraceSpace
+from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, Elasticity, Jump, LoadSteps, Nitsche, TraceSpace
 from ngsxfem_contact.algebra.matrices import csr_view
+from ngsxfem_contact.contact import InfSup, LinearCohesive, PathSteps
 from ngsxfem_contact.contact.solver import ReducedProblem
-from ngsxfem_contact.processes import DistributedMesh
+from ngsxfem_contact.fracture import GivenIncrement, StressInitiation
+from ngsxfem_contact.points import crack_points
+from ngsxfem_contact.processes import DistributedMesh, Processes
+from ngsxfem_contact.spaces import Interpolant, Projection
 from ngsxfem_contact.spaces.exchange import exchange_of
 from ngsxfem_contact.spaces.negligible import negligible_functions
 
@@ -46,11 +51,15 @@ def two_regions():
     return geometry.GenerateMesh(maxh=0.08)
 
 
-def body(*cracks, make=square, order=2, law=None, material=STEEL, dirichlet="bottom", load=BENDING, on="top", weight=CF((0, -3 * x))):
+def coarse():
+    return unit_square.GenerateMesh(maxh=0.1)
+
+
+def body(*cracks, make=square, order=2, law=None, material=STEEL, dirichlet="bottom", load=BENDING, on="top", weight=CF((0, -3 * x)), basis="nodal", **options):
     """A ContactProblem."""
     cracked = CrackedMesh(DistributedMesh(make), *cracks)
     V = CrackFESpace(cracked, order=order, material=material(cracked.mesh) if callable(material) else material, dirichlet=dirichlet)
-    problem, v = ContactProblem(V, TraceSpace(cracked, order=1), law=law), V.TestFunction()
+    problem, v = ContactProblem(V, TraceSpace(cracked, order=1, basis=basis), law=law, **options), V.TestFunction()
     problem.f += load * v * cracked.ds(on)
     problem.f += weight * v * cracked.dx
     return problem
@@ -113,6 +122,65 @@ def pinned(order):
     return problem
 
 
+def propped(order):
+    """Held by pins at a corner and inside, with forces in points and a foundation."""
+    problem = body(INCLINED, make=structured, order=order, dirichlet="", load=CF((0, 50 * (y - 0.5) * 4)), on="top|bottom", weight=CF((0, 0)))
+    u, v = problem.V.TnT()
+    problem.Pin((0, 0), "xy")
+    problem.Pin((0.8, 0.8), "y", 1e-5)
+    problem.Pin((0.8, 0.2), "y")
+    problem.f += v[1](0.31, 0.87)
+    problem.f += v[0](0.6, 0.13)
+    problem.a += 100 * u * v * problem.body.dx
+    return problem
+
+
+def structured():
+    return MakeStructured2DMesh(quads=False, nx=15, ny=15).ngmesh
+
+
+def block(order):
+    """The upper part is held by friction alone."""
+    return body(Crack([(0, 0.5), (1, 0.52)]), make=coarse, order=order, law=Coulomb(0.6), load=CF((10, -100)))
+
+
+def points(order):
+    """Nitsche's method."""
+    return body(EDGE, make=coarse, order=order, stabilisation=Nitsche())
+
+
+def points_with_friction(order):
+    """The same, coercive for every γ, whose rows are not each other's transposes."""
+    return body(INCLINED, make=coarse, order=order, law=Coulomb(0.1), load=CF((30, -100)), stabilisation=Nitsche(theta=-1))
+
+
+def incompressible(order):
+    """Rubber, whose divergence is projected."""
+    return body(EDGE, make=coarse, order=order, material=Elasticity.PlaneStrain(E=210e3, nu=0.4999))
+
+
+def heated(order):
+    """Given stresses, with K in them."""
+    return body(
+        INCLINED,
+        make=coarse,
+        order=order,
+        material=Elasticity.PlaneStrain(E=210e3, nu=0.3, alpha=1e-5),
+        temperature=30 * x * y,
+        initial_stress=CF((0, 0, 0, 20 * x), dims=(2, 2)),
+    )
+
+
+def traced(order):
+    """Multipliers that are traces of functions of the mesh."""
+    return body(EDGE, make=coarse, order=order, basis="trace")
+
+
+def torn(order):
+    """Glue, torn step by step."""
+    return body(EDGE, make=coarse, order=order, law=LinearCohesive(strength=60, G_c=0.05), load=CF((0, 100)))
+
+
 CASES = {
     f"{case.__name__}_P{order}": (case, order)
     for case, orders in (
@@ -126,6 +194,14 @@ CASES = {
         (along_edges, (1, 2)),
         (slip, (1, 2)),
         (pinned, (2,)),
+        (propped, (2,)),
+        (block, (2,)),
+        (points, (1,)),
+        (points_with_friction, (2,)),
+        (incompressible, (2,)),
+        (heated, (2,)),
+        (traced, (1,)),
+        (torn, (1,)),
     )
     for order in orders
 }
@@ -146,14 +222,14 @@ def facts(problem, folder):
         "EE": (system.E @ system.E.T).toarray(), "D": system.D.toarray(), "S": reduced.S, "g": reduced.case.g, "L": solution.state.L,
         "active": np.array(solution.report.active), "energies": np.array([solution.Energy(), solution.PotentialEnergy()]),
         "U": np.array(square_sum(own(solution.u.vec.FV().NumPy()))),
-        "force": np.array([solution.ContactForce(c) for c in range(len(problem.body.cracks))]), "gap": solution.Profile().gap,
+        "force": np.array([solution.ContactForce(c) for c in range(len(problem.body.cracks))]), "gap": solution.Profile().gap, "pressure": solution.Profile().sigma_n,
         "tips": np.array([tip.clearance for tip in problem.body.tips]),
         "K": np.array([[*solution.StressIntensity(tip), *solution.StressIntensity(tip, method="modes")] for tip in range(len(problem.body.tips))]),
         "released": np.array([solution.EnergyReleaseRate(tip).G for tip in range(len(problem.body.tips))]),
     }  # fmt: skip
+    reactions = solution.Reactions()
+    found |= {"reactions": np.array([row.force for row in reactions]), "supports": np.array([row.name for row in reactions])}
     assert solution.SaveVTK(folder / "body") == str(folder / "body.vtu")
-    if not exchange.Max(len(problem.supports.pinned)):
-        found["reactions"] = np.array([row.force for row in solution.Reactions()])
     return found, exchange
 
 
@@ -163,21 +239,102 @@ def steps(problem):
     return {f"step {t}": load.Solve(t).state.L for t in (0.5, 1.0, 0.3)}
 
 
+def path(problem):
+    """Steps whose load is found."""
+    steps = PathSteps(problem)
+    last = [steps.Solve(2e-4) for _ in range(3)][-1]
+    return {"loads": np.array(steps.table["t"]), "path": last.state.L}
+
+
+def table_of(growth, steps):
+    """Numbers and words of the states of a growth."""
+    table = growth.Run(steps)
+    words = np.array([f"{row['name']} {row['end']} {row['state'].partition(':')[0]}" for row in table])
+    return {
+        "counts": table["step"],
+        "words": words,
+        "rows": np.array([np.nan_to_num(table[column].astype(float)) for column in ("x", "y", "length", "K_I", "K_II", "driving", "angle", "stress")]),
+    }
+
+
+def grown():
+    """A crack that turns as it grows, and others that start on the boundary and in the body."""
+    mesh = DistributedMesh(coarse)
+
+    def make(cracks):
+        body = CrackedMesh(mesh, *cracks)
+        V = CrackFESpace(body, order=1, material=STEEL, dirichlet="bottom")
+        problem = ContactProblem(V, TraceSpace(body))
+        problem.f += CF((-40, 100)) * V.TestFunction() * body.ds("top")
+        return problem
+
+    return table_of(CrackGrowth(make, [EDGE], GivenIncrement(0.1), initiation=StressInitiation(240, 0.1, 0.25)), 3)
+
+
+def started():
+    """A crack in a body that had none."""
+    mesh = DistributedMesh(lambda: MakeStructured2DMesh(quads=False, nx=12, ny=12, mapping=lambda x, y: (1.8 * x - 0.9, 1.8 * y - 0.9)).ngmesh)
+
+    def make(cracks):
+        body = CrackedMesh(mesh, *cracks)
+        V = CrackFESpace(body, order=2, material=Elasticity.PlaneStrain(1, 0), dirichlet=".*")
+        problem = ContactProblem(V, TraceSpace(body))
+        problem.f += CF((x, 3 * y)) * V.TestFunction() * body.dx
+        problem.SetDirichlet(CF((0, y - y**3 / 3 - x * x * y)), ".*")
+        return problem
+
+    return table_of(CrackGrowth(make, [], GivenIncrement(0.4), toughness=9.0, initiation=StressInitiation(0.9, 0.2, 0.6)), 2)
+
+
+def functions():
+    """Functions of V_h from given ones, and the inf-sup constant."""
+    cracked = CrackedMesh(DistributedMesh(coarse), KINKED)
+    V, W, share = CrackFESpace(cracked, order=2, material=STEEL, dirichlet="bottom"), TraceSpace(cracked), cracked.share
+    norm = lambda u: share.Sum(Integrate(share.Own(u * u * cracked.dx), cracked.mesh))
+    plus, minus = CF((x * y, y)), CF((0, x))
+    interpolated = Interpolant(V, plus, minus, tips=[[1, 2], [3, 4]])
+    crack = np.linspace(0, cracked.cracks[0].length, 20)
+    return {
+        "norms": np.array([norm(interpolated), norm(Projection(V, plus)), norm(Projection(V, interpolated) - interpolated)]),
+        "jumps": np.array([Jump(interpolated)(point) for point in crack_points(cracked, 0, crack)]),
+        "inf_sup": np.array([InfSup(V, W)]),
+    }
+
+
+STUDIES = {study.__name__: study for study in (grown, started, functions)}
+
+
 def solved(name, folder):
-    """The facts of a case, the same on all processes, and whether this process writes them."""
+    """The facts of a case or a study, the same on all processes, and whether this process writes them."""
+    if name in STUDIES:
+        found, share = STUDIES[name](), Processes(MPI.COMM_WORLD)
+        return same_on_all(found, share), share.is_first
     case, order = CASES[name]
     problem = case(order)
     found, exchange = facts(problem, folder)
-    if case is slip:
-        found |= steps(problem)
+    if case is traced:  # whose multipliers are numbered as the vertices are
+        found |= {
+            "S": np.linalg.eigvalsh(found["S"]),
+            "g": np.sort(found["g"]),
+            "L": np.sort(found["L"]),
+            "EE": np.sort(found["EE"].diagonal()),
+            "D": np.sort(found["D"].diagonal()),
+        }
+    if case in (slip, torn):
+        found |= {slip: steps, torn: path}[case](problem)
+    return same_on_all(found, exchange), exchange.is_first
+
+
+def same_on_all(found, processes):
+    """The same, checked."""
     for key, values in found.items():
-        assert all(np.array_equal(values, other) for other in exchange.Gather(values)), key
-    return found, exchange.comm is None or exchange.comm.rank == 0
+        assert all(np.array_equal(values, other) for other in processes.Gather(values)), key
+    return found
 
 
 if __name__ == "__main__":
     folder, *names = Path(sys.argv[1]), *sys.argv[2:]
-    for name in names or CASES:
+    for name in names or [*CASES, *STUDIES]:
         found, is_first = solved(name, folder)
         if is_first:
             np.savez(folder / f"{name}.npz", **found)

@@ -61,16 +61,20 @@ EXACT = ("unknowns", "negligible", "counts", "active")
 TOLERANCES = {"forms": 1e-13, "EE": 1e-13, "D": 1e-12, "S": 1e-11, "g": 1e-11, "energies": 1e-11, "tips": 1e-14, "reactions": 1e-10}  # others: 1e-9
 
 
-def differences(one, many):
-    """What differs by more than it may; each relative to its largest value, forms and energies one by one."""
-    assert set(one) == set(many) and {"L", "K", "released", "gap", *EXACT, *TOLERANCES} - {"reactions"} <= set(one)
+ROUND_OFF = {"incompressible_P2": 1e5}  # another numbering of the mesh changes what one process finds by up to 4e-8 (S), 7e-7 (L) and 4e-5 (gap) there
+
+
+def differences(one, many, factor=1.0):
+    """What differs by more than it may, factor times more but for forms; each relative to its largest value, forms and energies one by one."""
+    assert set(one) == set(many)
     for key in one:
-        if key in EXACT:
+        tolerance = TOLERANCES.get(key, 1e-9) * (1 if key == "forms" else factor)
+        if key in (*EXACT, "supports", "words"):
             same = np.array_equal(one[key], many[key])
         elif key in ("forms", "energies"):
-            same = many[key] == pytest.approx(one[key], rel=TOLERANCES[key])
+            same = many[key] == pytest.approx(one[key], rel=tolerance)
         else:
-            same = np.abs(many[key] - one[key]).max(initial=0) <= TOLERANCES.get(key, 1e-9) * np.abs(one[key]).max(initial=0)
+            same = np.abs(many[key] - one[key]).max(initial=0) <= tolerance * np.abs(one[key]).max(initial=0)
         if not same:
             yield key, one[key], many[key]
 
@@ -94,13 +98,14 @@ def test_as_one_process(tmp_path):
         folder.mkdir()
     found = {number: solved(number, folder) for number, folder in folders.items()}
     one = found[1]
+    assert all({"L", "K", "released", "gap", *EXACT, *TOLERANCES} <= set(facts) for name, facts in one.items() if "_P" in name)
     assert len(one) > 15 and one["slivers_P2"]["negligible"] > 0
     contact, _, right, left = one["slip_P2"]["counts"]
     assert contact > 3 and right + left > 3
     assert all(0 < one[name]["active"][-1].sum() for name in ("edge_P1", "several_P1", "crossing_P2", "arc_P2", "through_P2", "regions_P2"))
     for number in (3, 4):
         assert found[number].keys() == one.keys()
-        assert [(number, name, *what) for name in one for what in differences(one[name], found[number][name])] == []
+        assert [(number, name, *what) for name in one for what in differences(one[name], found[number][name], ROUND_OFF.get(name, 1.0))] == []
         (points, u), (points_too, u_too) = picture(folders[1] / "body.vtu"), picture(folders[number] / "body.vtu")
         assert points_too == pytest.approx(points, abs=1e-14) and u_too == pytest.approx(u, abs=1e-9 * np.abs(u).max())
 

@@ -192,5 +192,5 @@ def test_curved_elements_keep_their_place():
 
 
 def boundary_points(split):
-    edges, names = split_mesh.boundary_edges(split)
+    edges, names, _ = split_mesh.boundary_edges(split)
     return edges[names == "rim"]
