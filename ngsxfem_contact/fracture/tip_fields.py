@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
@@ -71,7 +71,7 @@ class TipFrame:
         H = self.crack.side if side is None else SIDE[side]
         C, S = half_angle(self.X, self.Y, self.r, self.orientation * H)
         root = sqrt(self.r)
-        return [self._gradient(material.mu, *angular) for angular in _angular(material.kappa, C / root, S / root)]
+        return [self._gradient(material.mu, CF(g), CF(dg)) for g, dg in angular_functions(material.kappa, C / root, S / root)]
 
     def _gradient(self, mu: float, g: CoefficientFunction, dg: CoefficientFunction) -> CoefficientFunction:
         """Of √r g(θ) / (2μ√(2π)) in the tip's frame, dg = g'."""
@@ -143,12 +143,10 @@ def distance_along(a: np.ndarray, b: np.ndarray, point: np.ndarray, direction: n
     return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min(initial=np.inf)
 
 
-def _angular(
-    kappa: float, c: CoefficientFunction, s: CoefficientFunction
-) -> tuple[tuple[CoefficientFunction, CoefficientFunction], tuple[CoefficientFunction, CoefficientFunction]]:
-    """g(θ) and g'(θ) of the two modes √r g, c = cos(θ/2), s = sin(θ/2)."""
-    first = CF((c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c)))
-    d_first = CF((s * (-0.5 * (kappa - 1) - s * s + 2 * c * c), c * (0.5 * (kappa + 1) - c * c + 2 * s * s)))
-    second = CF((s * (kappa + 1 + 2 * c * c), -c * (kappa - 1 - 2 * s * s)))
-    d_second = CF((c * (0.5 * (kappa + 1) + c * c - 2 * s * s), s * (0.5 * (kappa - 1) - s * s + 2 * c * c)))
+def angular_functions(kappa: float, c: Any, s: Any) -> tuple[tuple[tuple[Any, Any], tuple[Any, Any]], ...]:
+    """g(θ) and g'(θ), components ahead and to the left, of the two modes √r g, c = cos(θ/2), s = sin(θ/2): arrays or CoefficientFunctions."""
+    first = (c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c))
+    d_first = (s * (-0.5 * (kappa - 1) - s * s + 2 * c * c), c * (0.5 * (kappa + 1) - c * c + 2 * s * s))
+    second = (s * (kappa + 1 + 2 * c * c), -c * (kappa - 1 - 2 * s * s))
+    d_second = (c * (0.5 * (kappa + 1) + c * c - 2 * s * s), s * (0.5 * (kappa - 1) - s * s + 2 * c * c))
     return (first, d_first), (second, d_second)
