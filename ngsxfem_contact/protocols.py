@@ -181,6 +181,19 @@ class StressIntensityMethod(Protocol):
         """Those of one tip of `body.tips`."""
 
 
+class Goal(Protocol):
+    """A quantity J(u, λ) whose error is sought, linear in both, or near enough to it."""
+
+    def Value(self, solution: "ContactSolution") -> float:
+        """J(u_h, λ_h)."""
+
+    def OfDisplacement(self, solution: "ContactSolution", space: "CrackFESpace") -> np.ndarray:
+        """(space.ndof,): ∂J/∂u for the functions of a space, V of the problem or that of the next order."""
+
+    def OfMultipliers(self, solution: "ContactSolution") -> list[np.ndarray]:
+        """(W.ndof,) for each component of the multipliers: ∂J/∂λ, and with friction ∂J/∂λ_t, for the functions of W."""
+
+
 class GrowthCriterion(Protocol):
     """Where to a tip grows, and what drives it."""
 

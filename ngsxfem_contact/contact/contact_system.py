@@ -131,6 +131,10 @@ class ContactSystem:
         function.vec.FV().NumPy()[:] = values
         return function
 
+    def OfFunction(self, moments: np.ndarray) -> np.ndarray:
+        """The derivative by one component of L of a quantity that has one by the functions of W, moments."""
+        return moments
+
     @property
     def C(self) -> csr_matrix:
         """The rows whose products with (K - K_γ)⁻¹ are needed; the first are E. Of several processes their additive parts."""

@@ -232,6 +232,12 @@ class NitscheSystem(ContactSystem):
         function.vec.FV().NumPy()[:] = scipy.sparse.linalg.spsolve(mass_matrix(W).tocsc(), moments)
         return function
 
+    def OfFunction(self, moments: np.ndarray) -> np.ndarray:
+        """Through the projection onto W."""
+        function = GridFunction(self.problem.W)
+        function.vec.FV().NumPy()[:] = scipy.sparse.linalg.spsolve(mass_matrix(self.problem.W).tocsc(), moments)
+        return self.nodes.weights * self.nodes.Values(function)
+
     @property
     def C(self) -> csr_matrix:
         """E, and γR beside it unless θ = 1."""

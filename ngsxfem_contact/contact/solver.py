@@ -19,6 +19,7 @@ from ..protocols import Cone, Nodes
 from ..spaces.exchange import exchange_of
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns
+from .adjoint import adjoint
 from .checks import check_coercive, check_energies, check_gap, check_load, check_multiplier, warn_of_brittle_faces
 from .contact_system import ContactSystem
 from .faces import FaceHistory, Faces, Scales
@@ -120,6 +121,11 @@ class ReducedProblem:
         forces = F + traction.F
         reduced = self.elimination.Reduce(forces - self.system.Stiffness(given) if given.any() else forces)
         return ReducedCase(F, given, traction, reduced, reduced.crack[: self.system.E.shape[0]] + self.system.E @ given, load, jumps)
+
+    def Adjoint(self, solution: ContactSolution, J_u: np.ndarray, J_L: list[np.ndarray]) -> tuple[np.ndarray, list[GridFunction]]:
+        """z and ζ as functions of W, see `adjoint`, for the derivatives of a quantity by the functions of V and, for each component, of W."""
+        z, zeta = adjoint(self, solution, J_u, np.concatenate([self.system.OfFunction(moments) for moments in J_L]))
+        return z, multipliers(self.problem, self.system, zeta)
 
     def Displacement(self, L: np.ndarray, case: ReducedCase | None = None, alpha: np.ndarray | None = None) -> np.ndarray:
         """U for a multiplier L and rigid motions: one back-substitution."""

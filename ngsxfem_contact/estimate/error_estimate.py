@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from functools import cached_property
-from math import pi, sqrt
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import L2, CoefficientFunction, IfPos, LinearForm, specialcf
+from ngsolve import L2, CoefficientFunction, LinearForm
 
 from ..description import Described
-from ..operators import NormalGap
 from ..points import place
+from ..protocols import Goal, check_role
 from ..spaces.incompressible import stress_power
+from .contact_defect import contact_defect
+from .goal_estimate import GoalEstimate
 from .next_order import NextOrder
 
 if TYPE_CHECKING:
@@ -72,6 +74,22 @@ class ErrorEstimate(Described):
             *(("note", note) for note in self.notes),
         ]
 
+    def Goal(self, goal: Goal) -> GoalEstimate:
+        """How far a quantity is off: a GoalEstimate, by a dual problem on the factors of the solve.
+
+        Parameters
+        ----------
+        goal
+            StressIntensityFactor("K_I", tip), ContactForce(crack), ContactEdge(crack, number), Displacement(region, component), or an object with the role Goal.
+
+        Raises
+        ------
+        ValueError
+            For laws of the faces that hold node by node, parts that only the faces hold, and nearly incompressible materials.
+        """
+        check_role(goal, Goal, "Goal: goal", "an object such as StressIntensityFactor('K_I')")
+        return GoalEstimate(self, goal)
+
     @property
     def energy(self) -> float:
         """The error |||u - u_h|||, √(stress × length²)."""
@@ -94,31 +112,40 @@ class ErrorEstimate(Described):
 
     @cached_property
     def _elastic(self) -> np.ndarray:
-        power = stress_power(self.solution.problem.material, self.e, self.e)
-        space = self.next_order.space
-        return np.maximum(self._by_element(power, self.solution.body.dx(space=space, bonus_intorder=2 * space.order)), 0)
+        return np.maximum(self.OfElements(stress_power(self.solution.problem.material, self.e, self.e)), 0)
 
     @cached_property
     def _contact(self) -> np.ndarray:
         solution = self.solution
         if not solution.body.cracks or has_own_law(solution.problem):
             return np.zeros(solution.body.mesh.ne)
-        return self._by_element(contact_defect(solution), solution.problem.W.dcrack(bonus_intorder=2 * solution.problem.V.order + 2))
+        return self.OfCracks(contact_defect(solution))
+
+    def OfElements(self, density: CoefficientFunction) -> np.ndarray:
+        """(number of triangles,): integrals of products of stresses and strains of the next order.
+
+        Parameters
+        ----------
+        density : CoefficientFunction
+            The product.
+        """
+        space = self.next_order.space
+        return self._by_element(density, self.solution.body.dx(space=space, bonus_intorder=2 * space.order))
+
+    def OfCracks(self, density: CoefficientFunction) -> np.ndarray:
+        """(number of triangles,): integrals over the cracks in each.
+
+        Parameters
+        ----------
+        density : CoefficientFunction
+            What is integrated.
+        """
+        problem = self.solution.problem
+        return self._by_element(density, problem.W.dcrack(bonus_intorder=2 * problem.V.order + 2))
 
     def _by_element(self, density: CoefficientFunction, measure: Any) -> np.ndarray:
         constants = L2(self.solution.body.mesh, order=0)
         return LinearForm(density * constants.TestFunction() * measure).Assemble().vec.FV().NumPy().copy()
-
-
-def contact_defect(solution: ContactSolution) -> CoefficientFunction:
-    """(λ_h - min(0, λ_h + k (g_n + g_0)))²/k, 0 where λ_h ≤ 0, g_n + g_0 ≥ 0 and one of them is 0.
-
-    k = π E'/(4 h) is the stiffness of the plane against an opening whose sign changes from element to element, of wavelength 2h: the square of the energy norm of an
-    opening of amplitude g is k g² for each length.
-    """
-    k = 0.25 * pi * solution.problem.material.E_prime / specialcf.mesh_size
-    gap, pressure = NormalGap(solution.u, solution.body) + solution.problem.gap, solution.multiplier
-    return IfPos(pressure + k * gap, pressure * pressure / k, k * gap * gap)
 
 
 def saturation(V: CrackFESpace) -> float:

@@ -17,6 +17,8 @@ from ..spaces.higher_order import HigherOrder
 from ..spaces.incompressible import add_stress_power
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ngsolve import CoefficientFunction
 
     from ..contact.solution import ContactSolution
@@ -69,19 +71,16 @@ class NextOrder:
     @cached_property
     def residual(self) -> np.ndarray:
         """r, for all functions of the space."""
-        solution, space = self.solution, self.space
-        v = space.TestFunction()
-        form = LinearForm(space)
-        form += -InnerProduct(solution.ElasticStress(None), Gradient(v)) * solution.body.dx
-        form += -self._traction_power(v) * solution.problem.W.dcrack(space=space)
-        r = form.Assemble().vec.FV().NumPy() + load_on(solution.load, space)
-        return r - spring_forces_on(solution.a, solution.u, space)
-
-    def _traction_power(self, v: CoefficientFunction) -> CoefficientFunction:
-        """λ g_n(v) + λ_t g_t(v)."""
         solution = self.solution
-        pairs = [(solution.multiplier, NORMAL), (solution.tangential_multiplier, TANGENTIAL)]
-        return sum(multiplier * component.jump(v, solution.body) for multiplier, component in pairs if multiplier is not None)
+        multipliers = [multiplier for multiplier in (solution.multiplier, solution.tangential_multiplier) if multiplier is not None]
+        return load_on(solution.load, self.space) - self.Exerted(solution.u, solution.ElasticStress(None), multipliers)
+
+    def Exerted(self, u: GridFunction, stress: CoefficientFunction, multipliers: Sequence[CoefficientFunction]) -> np.ndarray:
+        """a(u, v) + ∫λ g_n(v) + ∫λ_t g_t(v) for all functions v of the space, with the stress of u."""
+        solution, v = self.solution, self.space.TestFunction()
+        power = sum(multiplier * component.jump(v, solution.body) for multiplier, component in zip(multipliers, (NORMAL, TANGENTIAL)))
+        form = LinearForm(InnerProduct(stress, Gradient(v)) * solution.body.dx + power * solution.problem.W.dcrack(space=self.space))
+        return form.Assemble().vec.FV().NumPy() + spring_forces_on(solution.a, u, self.space)
 
     @cached_property
     def given(self) -> np.ndarray:

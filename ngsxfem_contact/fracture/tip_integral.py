@@ -100,10 +100,14 @@ class TipIntegral:
         return self.share.Sum(self._volume(a, b) + self._loads(a, b)) + self._lips(a, b)
 
     def _volume(self, a: TipField, b: TipField) -> float:
+        return Integrate(self.VolumeDensity(a, b).Compile() * self.disk, self.mesh)
+
+    def VolumeDensity(self, a: TipField, b: TipField) -> CoefficientFunction:
+        """-∇q·M."""
         e = self.frame.ahead
         energy = InnerProduct(a.stress[None], b.gradient[None]) + a.GivenWork(b)(None) + b.GivenWork(a)(None)
         M = energy * e - a.Whole(None) * (b.gradient[None] * e) - b.Whole(None) * (a.gradient[None] * e)
-        return -Integrate(InnerProduct(M, self.grad_q).Compile() * self.disk, self.mesh)
+        return -InnerProduct(M, self.grad_q)
 
     def _loads(self, a: TipField, b: TipField) -> float:
         return -sum(self._load(one, other) for one, other in ((a, b), (b, a)))
@@ -117,14 +121,17 @@ class TipIntegral:
         return work
 
     def _lips(self, a: TipField, b: TipField) -> float:
-        """ν = -n on the plus lip, n on the minus lip."""
+        return self._along(self.LipDensity(a, b))
+
+    def LipDensity(self, a: TipField, b: TipField) -> CoefficientFunction:
+        """M·ν of both lips, for each length of the crack: ν = -n on the plus lip, n on the minus lip."""
         e, n, flow = self.frame.ahead, self.body.normal, 0
         for side, sign in SIDE.items():
             energy = InnerProduct(a.stress[side], b.gradient[side]) + a.GivenWork(b)(side) + b.GivenWork(a)(side)
             along_n = energy * InnerProduct(e, n)
             along_n -= InnerProduct(a.traction[side], b.gradient[side] * e) + InnerProduct(b.traction[side], a.gradient[side] * e)
             flow -= sign * along_n
-        return self._along(flow)
+        return flow
 
     def OfTraction(self, traction: CoefficientFunction, b: TipField) -> float:
         """What a traction on the lips of a can do to I(a,b): ∫ q |traction·∂_e jump(b)|."""

@@ -83,13 +83,16 @@ def polynomial_numbers(S: FESpace, T: FESpace) -> np.ndarray:
 
 
 def blocks(space: FESpace, kind: Any, count: int) -> np.ndarray:
-    """(count, n): the numbers of the n functions of each edge or triangle of a space H1 of one order, which follow each other."""
-    first, last = (space.GetDofNrs(NodeId(kind, i)) for i in (0, count - 1))
-    n = len(first)
-    numbers = (first[0] if n else 0) + np.arange(count * n).reshape(count, n)
-    if tuple(numbers[-1]) != tuple(last):
-        raise ValueError("HigherOrder: the functions of the space are not those of one order on all elements")
-    return numbers
+    """(m, n): the numbers of the n functions of each of the m edges or triangles of a space H1 of one order that have some.
+
+    Edges that a refined mesh has of its coarser levels have none. Without such the functions of one edge follow those of the last.
+    """
+    first, last = (list(space.GetDofNrs(NodeId(kind, i))) for i in (0, count - 1))
+    n = len(last)
+    numbers = (first[0] if first else 0) + np.arange(count * n).reshape(count, n)
+    if len(first) == n and list(numbers[-1]) == last:
+        return numbers
+    return np.array([dofs for i in range(count) if len(dofs := space.GetDofNrs(NodeId(kind, i)))], dtype=int).reshape(-1, n)
 
 
 def among_cell_functions(few: int, many: int) -> list[int]:

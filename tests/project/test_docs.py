@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import rotated_problem
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, IfPos, Mesh, specialcf, y
 
@@ -22,9 +23,10 @@ from ngsxfem_contact.contact.cones import CONES
 from ngsxfem_contact.contact.friction import Frictionless
 from ngsxfem_contact.contact.nodal_law import LawByCrack
 from ngsxfem_contact.contact.stabilisation import Unstabilised
-from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, pressure_error, rotated_square, uniform_compression, uniform_stress
+from ngsxfem_contact.estimate import ContactEdge, ContactForce, Displacement, StressIntensityFactor
+from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, open_tip, pressure_error, rotated_square, uniform_compression, uniform_stress
 from ngsxfem_contact.operators import NORMAL
-from study.paper import MATERIAL, paper_problem, unstructured_mesh
+from study.paper import MATERIAL, PAIRS, paper_problem, unstructured_mesh
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -62,7 +64,7 @@ def added(name):
     return names[name]
 
 
-@pytest.mark.parametrize("role", ["Stabilisation", "CompleteStabilisation", "FaceLaw", "TipFunctions", "Cone", "DirectSolver"])
+@pytest.mark.parametrize("role", ["Stabilisation", "CompleteStabilisation", "FaceLaw", "TipFunctions", "Goal", "Cone", "DirectSolver"])
 def test_the_members_of_roles_are_those_of_the_protocols(role):
     """Names and arguments; a complete stabilisation lists what it has beside."""
     text = (DOCS / "extending.md").read_text(encoding="utf-8")
@@ -95,6 +97,7 @@ def test_the_members_of_roles_are_those_of_the_protocols(role):
             ],
         ),
         (protocols.TipFunctions, [TipEnrichment(), added("HalfTheRoom")(MATERIAL)]),
+        (protocols.Goal, [StressIntensityFactor("K_I"), ContactForce(), ContactEdge(), Displacement("top"), added("Opening")()]),
         (protocols.Cone, [*CONES.values()]),
         (protocols.DirectSolver, [PartialFactorisation, BackSubstitution, Pardiso]),
     ],
@@ -185,6 +188,15 @@ def test_the_guide_names_what_exists():
     assert words - other <= public.keys() | {member for value in public.values() for member in dir(value)}
 
 
+def test_the_goal_that_is_added_works():
+    """Its derivative is the quantity itself, which is linear in u; its error beside a finer order."""
+    goal, solution = added("Opening")(), rotated_problem(open_tip(MATERIAL), PAIRS["P2/P1"], 0.1, tip=TipEnrichment(material=MATERIAL)).Solve()
+    found = solution.ErrorEstimate().Goal(goal)
+    assert goal.OfDisplacement(solution, solution.problem.V) @ solution.u.vec.FV().NumPy() == pytest.approx(found.value, rel=1e-9)
+    true = 16 / (3 * MATERIAL.E_prime * np.sqrt(2 * np.pi)) * solution.body.cracks[0].length ** 1.5
+    assert abs(true - found.value) < found.bar < 1e-2 * found.value
+
+
 def test_the_law_at_the_nodes_that_is_added_works():
     """Its derivative, other stiffnesses, and a column: λ = s, and what is left of the displacement opens it; with another law in the body, too."""
     law, rng = added("Suction")(0.5), np.random.default_rng(0)
@@ -267,7 +279,7 @@ def test_the_guide_runs(capsys, tmp_path, monkeypatch):
     names["make_problem"] = make_problem
     monkeypatch.chdir(tmp_path)  # it saves a file
     blocks = code_of("guide.md")
-    assert len(blocks) == 14
+    assert len(blocks) == 15
     for block in blocks:
         if "material=rock" in block or "law=" in block or "stabilisation=" in block:
             own = dict(names)

@@ -33,6 +33,20 @@ def test_a_function_keeps_its_values(name, order, bubble):
     assert np.array_equal(higher.Restricted(higher.Prolonged(u.vec.FV().NumPy())), u.vec.FV().NumPy())
 
 
+def test_on_a_refined_mesh():
+    """Whose numbers of edges have gaps."""
+    mesh = rectangle(0.4)
+    for level in range(3):
+        mesh.SetRefinementFlags([i % 3 == 0 for i in range(mesh.ne)])
+        mesh.Refine()
+    V = CrackFESpace(CrackedMesh(mesh, *CRACKS["kinked"]), order=2, material=MATERIAL)
+    higher, u = HigherOrder(V), random_function(V)
+    w = GridFunction(higher.space)
+    w.vec.FV().NumPy()[:] = higher.Prolonged(u.vec.FV().NumPy())
+    points = mesh(*np.random.default_rng(1).uniform(0, 1, (2, 300)))
+    assert np.abs(u(points) - w(points)).max() < 1e-12 and len(set(higher.numbers)) == V.ndof
+
+
 def test_functions_of_triangles_by_degree():
     """Degree 2 among degree 4: i + j < 2 of the ten with i + j < 4."""
     assert among_cell_functions(3, 10) == [0, 1, 4] and among_cell_functions(0, 1) == [] and among_cell_functions(1, 3) == [0]

@@ -1,0 +1,193 @@
+"""What the error of is sought: quantities J(u, λ), with their derivatives by the displacement and by the multipliers. protocols.Goal is what is asked of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ngsolve import IfPos, Integrate, LinearForm
+
+from ..arguments import check_item, check_regions, crack_number
+from ..fracture.stress_intensity import disks, follows_pressure, is_closed, material_at, pressures
+from ..fracture.tip_fields import SIDE, TipFrame
+from ..fracture.tip_integral import TipField, TipIntegral, auxiliary_field, mode_fields
+from ..operators import NORMAL, Gradient
+from ..spaces.incompressible import stress
+
+if TYPE_CHECKING:
+    from ngsolve import CoefficientFunction
+
+    from .._ngsxfem_contact import CrackFESpace
+    from ..contact.solution import ContactSolution
+
+FACTORS = ("K_I", "K_II")
+BONUS = 6  # orders of integration beside those of the functions
+
+
+def moments(solution: ContactSolution, density: CoefficientFunction, crack: int) -> np.ndarray:
+    """∫ density ψ_i over a crack, for the functions of W."""
+    W = solution.problem.W
+    return LinearForm(density * W.TestFunction() * W.dcrack(crack=crack, bonus_intorder=BONUS)).Assemble().vec.FV().NumPy().copy()
+
+
+@dataclass(frozen=True)
+class StressIntensityFactor:
+    """K_I or K_II at a tip, by the interaction integral.
+
+    Parameters
+    ----------
+    name : str
+        "K_I" or "K_II".
+    tip : int
+        A number in `body.tips`.
+    radius : float
+        Of the domain, as for StressIntensity.
+    """
+
+    name: str
+    tip: int = 0
+    radius: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.name not in FACTORS:
+            raise ValueError(f"StressIntensityFactor: name={self.name!r} is not one of {list(FACTORS)}")
+
+    def __str__(self) -> str:
+        return f"{self.name} at tip {self.tip}"
+
+    def Value(self, solution: ContactSolution) -> float:
+        """K in stress × √length."""
+        return float(getattr(solution.StressIntensity(self.tip, radius=self.radius), self.name))
+
+    def _integral(self, solution: ContactSolution) -> tuple[TipIntegral, TipField, float]:
+        frame, material = TipFrame(solution.body, self.tip), material_at(solution, self.tip)
+        mode = list(mode_fields(frame, material))[FACTORS.index(self.name)]
+        mode = auxiliary_field(
+            frame, material, {side: gradient.Compile() for side, gradient in mode.gradient.items()}
+        )  # evaluated for each function of a space
+        integral = TipIntegral(solution.problem, frame, disks(frame, solution, self.radius)[0])
+        integral.q, integral.grad_q = integral.q.Compile(), integral.grad_q.Compile()
+        return integral, mode, 0.5 * material.E_prime
+
+    def _is_zero(self, solution: ContactSolution) -> bool:
+        """K_I where the faces touch at the tip."""
+        return self.name == "K_I" and is_closed(solution, self.tip)
+
+    def OfDisplacement(self, solution: ContactSolution, space: CrackFESpace) -> np.ndarray:
+        """∂K/∂u for the functions of a space."""
+        check_item(self.tip, solution.body.tips, "tip", "body.tips")
+        if self._is_zero(solution):
+            return np.zeros(space.ndof)
+        integral, mode, scale = self._integral(solution)
+        v, body, material = space.TestFunction(), solution.body, solution.problem.material
+        sides = (None, *SIDE)
+        field = TipField({s: Gradient(v, s) for s in sides}, {s: stress(material, v, s) for s in sides}, {})
+        mean = sum(0.5 * NORMAL.traction(field.stress[s], body) for s in SIDE)
+        touching, bent = self._touching(solution), integral.frame.crack.CurvatureAt(integral.frame.tip.s) != 0
+        direction = body.normal if not follows_pressure(solution) else body.normal + ratio(solution) * body.tangent
+        field.traction = dict.fromkeys(SIDE, 0 * mean * body.normal if bent else 0.5 * touching * mean * direction)
+        disk = body.dx(definedonelements=integral.elements, bonus_intorder=BONUS, space=space)
+        form = LinearForm(integral.VolumeDensity(field, mode) * disk + integral.q * integral.LipDensity(field, mode) * self._lips(solution, space))
+        return scale * form.Assemble().vec.FV().NumPy()
+
+    def _lips(self, solution: ContactSolution, space: CrackFESpace) -> object:
+        return solution.problem.W.dcrack(crack=solution.body.tips[self.tip].crack, bonus_intorder=BONUS, space=space)
+
+    @staticmethod
+    def _touching(solution: ContactSolution) -> CoefficientFunction:
+        return IfPos(-solution.multiplier - 1e-10 * np.abs(solution.multiplier.vec.FV().NumPy()).max(), 1, 0)
+
+    def OfMultipliers(self, solution: ContactSolution) -> list[np.ndarray]:
+        """∂K/∂λ for the functions of W, and with friction ∂K/∂λ_t."""
+        components = solution.problem.law.components
+        if self._is_zero(solution):
+            return [np.zeros(solution.problem.W.ndof) for _ in components]
+        integral, mode, scale = self._integral(solution)
+        body, crack = solution.body, solution.body.tips[self.tip].crack
+        straight = integral.frame.crack.CurvatureAt(integral.frame.tip.s) == 0
+        share = 1 - 0.5 * straight * self._touching(solution)
+        jump = (mode.gradient["plus"] - mode.gradient["minus"]) * integral.frame.ahead
+        along = lambda direction: scale * integral.q * sum(d * j for d, j in zip(direction, jump))
+        normal, tangent = along(body.normal), along(body.tangent)
+        if not follows_pressure(solution):
+            return [moments(solution, density, crack) for density in (share * normal, tangent)[: len(components)]]
+        multiplier, mean = pressures(solution)
+        part = IfPos(-multiplier, (0.5 * (multiplier + mean) if straight else multiplier) / multiplier, 1)
+        return [moments(solution, density, crack) for density in (share * normal + ratio(solution) * (share - part) * tangent, part * tangent)]
+
+
+def ratio(solution: ContactSolution) -> CoefficientFunction:
+    """λ_t/λ where the faces touch, else 0."""
+    return IfPos(-solution.multiplier, solution.tangential_multiplier / solution.multiplier, 0)
+
+
+@dataclass(frozen=True)
+class ContactForce:
+    """∫λ over a crack.
+
+    Parameters
+    ----------
+    crack : int or str
+        Number or name.
+    """
+
+    crack: int | str = 0
+
+    def __str__(self) -> str:
+        return f"contact force on crack {self.crack}"
+
+    def Value(self, solution: ContactSolution) -> float:
+        """Stress × length, ≤ 0."""
+        return solution.ContactForce(self.crack)
+
+    def OfDisplacement(self, solution: ContactSolution, space: CrackFESpace) -> np.ndarray:
+        """0."""
+        return np.zeros(space.ndof)
+
+    def OfMultipliers(self, solution: ContactSolution) -> list[np.ndarray]:
+        """∫ψ_i over the crack, and 0."""
+        normal = moments(solution, 1, crack_number(self.crack, solution.body))
+        return [normal, 0 * normal][: len(solution.problem.law.components)]
+
+
+@dataclass(frozen=True)
+class Displacement:
+    """A component of u, in the mean over a part of the boundary.
+
+    Parameters
+    ----------
+    region : str
+        Names of boundaries, a regular expression.
+    component : str
+        "x" or "y".
+    """
+
+    region: str
+    component: str = "y"
+
+    def __post_init__(self) -> None:
+        if self.component not in ("x", "y"):
+            raise ValueError(f"Displacement: component={self.component!r} is neither 'x' nor 'y'")
+
+    def __str__(self) -> str:
+        return f"u_{self.component} on {self.region}"
+
+    def _mean(self, solution: ContactSolution) -> tuple[CoefficientFunction, int]:
+        check_regions(solution.body.mesh, self.region, "Displacement: region")
+        return solution.body.ds(self.region), "xy".index(self.component)
+
+    def Value(self, solution: ContactSolution) -> float:
+        """A length."""
+        measure, k = self._mean(solution)
+        return Integrate(solution.u[k] * measure(bonus_intorder=solution.problem.V.order), solution.body.mesh) / Integrate(1 * measure, solution.body.mesh)
+
+    def OfDisplacement(self, solution: ContactSolution, space: CrackFESpace) -> np.ndarray:
+        """The mean of each function of a space."""
+        measure, k = self._mean(solution)
+        length = Integrate(1 * measure, solution.body.mesh)
+        return LinearForm(1 / length * space.TestFunction()[k] * measure).Assemble().vec.FV().NumPy().copy()
+
+    def OfMultipliers(self, solution: ContactSolution) -> list[np.ndarray]:
+        """0."""
+        return [np.zeros(solution.problem.W.ndof) for _ in solution.problem.law.components]
