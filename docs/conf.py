@@ -24,6 +24,7 @@ def installed(package, pattern):
 html_static_path = ["static", installed("django-static-mathjax", "es5/tex-svg-full.js"), installed("webgui_jupyter_widgets", "nbextension/webgui.js")]
 mathjax_path = "tex-svg-full.js"
 html_css_files = ["wide.css"]
+highlight_language = "text"  # tables and commands are not Python
 
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 3

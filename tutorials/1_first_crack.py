@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 1. A first crack, in 15 lines
 #
-# The unit square ]0,1[ × ]−½,½[ has an edge crack from the middle of its left side to its centre. A body force presses the
+# The unit square $(0, 1) \times (-\tfrac12, \tfrac12)$ has an edge crack from the middle of its left side to its centre. A body force presses the
 # two faces of the crack against each other near the tip and parts them near the mouth. Where do they touch, and how hard
 # do they press?
 #

@@ -42,7 +42,7 @@ plot_mesh(V)
 plt.show()
 
 # %% [markdown]
-# ## H φ: the jump
+# ## $H\varphi_i$: the jump
 #
 # A `SplitMesh` is the mesh of the pictures: triangles that end at the crack, with the points on the crack doubled. On it we draw one
 # component of a basis function as a surface. Left $\varphi_i$, a hat. In the middle $H\varphi_i$, as the paper writes it. Right what the
@@ -83,7 +83,7 @@ surface(axes[2], basis_function({jump_dof: 1}), 0, r"$\frac{1}{2}(H - s_i)\varph
 plt.show()
 
 # %% [markdown]
-# ## χ F: the tip
+# ## $\chi F_j$: the tip
 #
 # With `TipEnrichment(material=...)` the tip has two vector fields, those of unit stress intensity factors:
 #
@@ -121,7 +121,7 @@ plt.show()
 # A Gauss rule on a cut triangle would see the jump as an error. `body.dx` divides each cut triangle along the crack. Around the tip
 # it integrates in polar coordinates with $\sqrt r$ as variable, because derivatives of $F_j$ grow like $r^{-1/2}$ there. Below the points of the
 # rule, blue on the plus side and red on the minus side; the crosses are those of `body.dcrack`, on the crack itself. (A small disk and
-# a tolerance of 10⁻² keep the picture readable; the default is 10⁻⁵.)
+# a tolerance of $10^{-2}$ keep the picture readable; the default is $10^{-5}$.)
 
 # %%
 warnings.simplefilter("ignore", AccuracyWarning)  # a disk this small is for the picture
@@ -143,7 +143,7 @@ plt.show()
 #
 # Two things can be checked without solving anything.
 #
-# 1. **N_H.** A vertex is enriched exactly if the crack divides the union of its triangles into two parts. We count, by brute force, the vertices
+# 1. **$N_H$.** A vertex is enriched exactly if the crack divides the union of its triangles into two parts. We count, by brute force, the vertices
 #    whose triangles have the crack through them and do not hold the tip.
 # 2. **The rule at the tip.** $\int_\Omega 1/r$, $r$ the distance to the tip, has a closed form: the tip divides the square into four rectangles, and
 #    one with sides $a$, $b$ contributes $a\,\mathrm{arsinh}(b/a) + b\,\mathrm{arsinh}(a/b)$.

@@ -72,8 +72,8 @@ plt.show()
 # are assembled by hand. In the end the multipliers fall into two sets. In contact: $((B - C_\gamma) U + D_\gamma L)_i = 0$; open: $L_i = 0$. With these
 # sets the problem is one linear system, which must give the same $u$ and $\lambda$.
 #
-# The paper writes ⟦u_n⟧ for minus the gap, $b(\mu, v) = \int \mu$ ⟦v_n⟧, and $R_h(v)$ for the normal stress of the polynomial of the larger part of each
-# cut element. γ is the one that the stabilisation chose; the next tutorial is about it.
+# The paper writes $\lbrack\lbrack u_n\rbrack\rbrack$ for minus the gap, $b(\mu, v) = \int \mu \lbrack\lbrack v_n\rbrack\rbrack$, and $R_h(v)$ for the normal stress of the polynomial of the larger part of each
+# cut element. $\gamma$ is the one that the stabilisation chose; the next tutorial is about it.
 
 # %%
 V, W, body, stress, gamma = problem.V, problem.W, problem.body, problem.material.Stress, solution.gamma

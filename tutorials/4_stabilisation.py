@@ -3,7 +3,7 @@
 #
 # Multipliers that the displacements cannot control oscillate, or are not determined at all. The cure of Barbosa and Hughes adds to the energy of the
 # problem the term $-\frac12\int\gamma\,(\lambda - R_h(u))^2$ on the crack. It vanishes for the exact solution, where $\lambda = \sigma_n = R_h$, and it controls
-# $\lambda$ whatever the spaces are. The price is a parameter, $\gamma = \gamma_0 h_T$. This tutorial shows the illness, the cure, and how γ is chosen.
+# $\lambda$ whatever the spaces are. The price is a parameter, $\gamma = \gamma_0 h_T$. This tutorial shows the illness, the cure, and how $\gamma$ is chosen.
 #
 # The problem is again the paper's, load B. A P2/P1 solution on a finer mesh tells us what is right.
 
@@ -98,11 +98,11 @@ for (pair, stabilised), (of_pressure, of_energy) in errors.items():
 # %% [markdown]
 # The displacement hardly notices; the pressure does.
 #
-# ## How large may γ₀ be?
+# ## How large may $\gamma_0$ be?
 #
 # The matrix $K - K_\gamma$ must stay positive, (13): too much of the cure kills. `Coercivity(problem)` is the smallest eigenvalue of
 # $K - K_\gamma$ against $K$: it is 1 for $\gamma_0 = 0$ and falls linearly to 0, where the method breaks down. Up to there the pressure gets better.
-# `BarbosaHughes()` without a number solves a small eigenvalue problem on each cut element and takes half of the largest γ that is safe there (star). One γ₀ for all has to
+# `BarbosaHughes()` without a number solves a small eigenvalue problem on each cut element and takes half of the largest $\gamma$ that is safe there (star). One $\gamma_0$ for all has to
 # be safe on the worst element; a choice for each can be larger on most of them, and is coercive all the same.
 
 # %%
@@ -137,7 +137,7 @@ plt.show()
 # %% [markdown]
 # ## Is it right?
 #
-# The choice must be coercive, by at least the 1 − θ = ½ that it promises; the error of λ that it gives must be near the best of all γ₀ that are safe;
+# The choice must be coercive, by at least the $1 - \theta = \tfrac12$ that it promises; the error of $\lambda$ that it gives must be near the best of all $\gamma_0$ that are safe;
 # and the stabilised P1/P0 pressure must be better than the plain one, the energy not worse.
 
 # %%
