@@ -12,7 +12,7 @@ from ..arguments import check_number, check_regions, check_type, check_whole
 from ..description import Described, numbered
 from ..errors import warn
 from ..material import Elasticity, Isotropic, check_form
-from ..share import share_in
+from ..share import Share
 from .flags import check_flags, joined_names
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ class SolidFESpace(Described, core.SolidFESpace):
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
         has_modes = front is not None and len(body.fronts) > 0
         super().__init__(body, front.Spec(body, material) if front is not None and has_modes else None, order=order, **flags)
-        self.material, self.share = material, share_in(body)
+        self.material, self.share = material, Share(mesh=body.mesh)  # of one process: several refuse bodies in space
         self.undecided = list(range(len(body.fronts))) if front is not None and (front.material or material) is None else []
         if self.undecided:
             warn(
@@ -175,7 +175,7 @@ class SolidFESpace(Described, core.SolidFESpace):
     def __setstate__(self, state: Any) -> None:
         of_core, material, undecided = state
         super().__setstate__(of_core)
-        self.material, self.undecided, self.share = material, undecided, share_in(self.body)
+        self.material, self.undecided, self.share = material, undecided, Share(mesh=self.body.mesh)
 
 
 def constants_at(body: CrackedSolid, material: Isotropic, number: int) -> tuple[float, float]:
