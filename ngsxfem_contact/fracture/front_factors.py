@@ -1,4 +1,4 @@
-"""K_I, K_II, K_III and G along the fronts of a solid: section 13 of docs/method.md.
+"""K_I, K_II, K_III and G along the fronts of a solid: section 14 of docs/method.md.
 
 I(u, mode) = 2K/E' for modes I and II, K/μ for mode III, I(u,u) = 2G.
 """
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 RADII = (1, 0.75, 0.5)  # of the tubes that are compared, relative to the largest
 LARGEST, LEAST = 4, 1  # radius over h
 SPACING = 2  # between nodes, over h
-SPREAD = 3  # of the values of three radii, as at tips in the plane
+SPREAD, ROUGH = 3, 2  # times the change over radii, and that by smoothing: found by benchmarks/fronts.py
 NAMES = ("K_I", "K_II", "K_III")
 
 
@@ -35,6 +35,8 @@ class FrontFactors:
 
     Attributes
     ----------
+    body, front
+        The CrackedSolid and the number in its `fronts`.
     s
         Arc lengths (n,) of the nodes.
     points
@@ -44,14 +46,15 @@ class FrontFactors:
     irwin
         (K_I² + K_II²)/E' + K_III²/(2μ).
     errors
-        (n, 3), what K_I, K_II, K_III may be off: three times the change over `radii`, the difference from values that are smoothed along s, and what the
-        traction of the faces may be off, the largest.
+        (n, 3), what K_I, K_II, K_III may be off, the largest of: three times the change over `radii`; twice the difference from parabolas through five nodes, the
+        largest of three neighbours; what a doubtful traction of the faces makes.
     G_error
         (n,), in the same way, or the difference from irwin.
     by_radius
         (number of radii, n, 4): K_I, K_II, K_III, G of each of the `radii`.
     """
 
+    body: CrackedSolid = field(repr=False)
     front: int
     s: np.ndarray
     points: np.ndarray
@@ -66,11 +69,16 @@ class FrontFactors:
     by_radius: np.ndarray = field(repr=False)
 
     @property
-    def table(self) -> Table:
-        """A Table with a row for each node: s, x, y, z, K_I, K_II, K_III and their errors, G, its error, and Irwin's value."""
+    def columns(self) -> dict[str, np.ndarray]:
+        """Those of the table, by their names."""
         columns = {"front": np.full(len(self.s), self.front), "s": self.s, **dict(zip("xyz", self.points.T))}
         columns |= {name: getattr(self, name) for name in NAMES} | {f"{name}_error": error for name, error in zip(NAMES, self.errors.T)}
-        return Table.Of(columns | {"G": self.G, "G_error": self.G_error, "irwin": self.irwin})
+        return columns | {"G": self.G, "G_error": self.G_error, "irwin": self.irwin}
+
+    @property
+    def table(self) -> Table:
+        """A Table with a row for each node: s, x, y, z, K_I, K_II, K_III and their errors, G, its error, and Irwin's value."""
+        return Table.Of(self.columns)
 
 
 def front_factors(
@@ -80,6 +88,8 @@ def front_factors(
 
     Parameters
     ----------
+    body
+        The CrackedSolid.
     u
         What is known of the displacement, and what acts.
     material
@@ -125,7 +135,7 @@ def front_factors(
     K, values, errors, irwin = (np.concatenate([getattr(part, name) for part in parts], axis=axis) for name, axis in _Found.arrays)
     G, (K_I, K_II, K_III) = values[0, :, 3], K.T
     G_error = np.maximum(errors[:, 3], np.abs(G - irwin))
-    return FrontFactors(front, s, curve.Points(s), K_I, K_II, K_III, G, irwin, errors[:, :3], G_error, tuple(part * radius for part in RADII), values)
+    return FrontFactors(body, front, s, curve.Points(s), K_I, K_II, K_III, G, irwin, errors[:, :3], G_error, tuple(part * radius for part in RADII), values)
 
 
 def _room(curve: FrontCurve, room: Room, h: float, given: float | None) -> tuple[float, list[tuple[float, float]]]:
@@ -162,7 +172,8 @@ def _on_stretch(curve: FrontCurve, material: Elasticity, u: FrontField, hats: Ha
     moments = integrals() * scale
     values = np.stack([hats.Values(of_radius) for of_radius in moments])
     doubt, pressed = integrals.Doubt() * scale[:3] / hats.weights[:, None], integrals.Pressed(h)
-    errors = np.maximum(SPREAD * np.ptp(values, axis=0), np.abs(hats.Values(moments[0], 5) - values[0]))
+    rough = hats.Largest(np.abs(hats.Values(moments[0], 5) - values[0]))
+    errors = np.maximum(SPREAD * np.ptp(values, axis=0), ROUGH * rough)
     errors[:, :3] = np.maximum(errors[:, :3], doubt)
     K = values[0, :, :3].copy()
     K[pressed, 0], errors[pressed, 0] = 0, 0

@@ -10,7 +10,7 @@ from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, ellipse, pen
 from ngsxfem_contact.exact.straight_fronts import straight_front
 from ngsxfem_contact.fracture.front_factors import front_factors
 from ngsxfem_contact.fracture.front_fields import FrontField
-from ngsxfem_contact.fracture.front_tube import FrontCurve, Hats, TubeRule
+from ngsxfem_contact.fracture.front_tube import FrontCurve, Hats, TubeRule, points_on_sheet
 from ngsxfem_contact.geometry import Sheet
 
 MATERIAL = Elasticity.PlaneStrain(E=2.6, nu=0.3)
@@ -223,6 +223,17 @@ def test_hats_give_back_parabolas():
         assert hats.weights.sum() == pytest.approx(1.2, rel=1e-14) == hats.Sum(s, ds[:, None]).sum()
         slopes = hats.Sum(s, 0 * ds[:, None], (ds * f(s))[:, None])  # ∫ N' f
         assert slopes.sum() == pytest.approx(0, abs=1e-13)
+
+
+@pytest.mark.parametrize("height", [0.5, 0.53])
+def test_points_on_a_sheet(height):
+    """In the elements that carry it, also where it lies along faces of the mesh; and where they were."""
+    body = CrackedMesh(MESH, Sheet.Disk((0.5, 0.51, height), (0, 0, 1), 0.3))
+    rng = np.random.default_rng(1)
+    points = np.stack([*rng.uniform(0.31, 0.69, (2, 300)), np.full(300, height)], axis=-1)
+    at = points_on_sheet(body, 0, points)
+    assert set(at["nr"]) <= {cell.element for cell in body.Elements(0)}
+    assert np.abs(CF((x, y, z))(at) - points).max() < 1e-13
 
 
 def test_the_table(tmp_path):

@@ -165,6 +165,7 @@ def test_the_guide_names_what_exists():
     other = {
         "GridFunction",
         "GridFunctions",
+        "MakeStructured3DMesh",
         "DataFrame",
         "LinearForm",
         "TaskManager",
@@ -265,7 +266,7 @@ def test_the_guide_runs(capsys, tmp_path, monkeypatch):
     names["make_problem"] = make_problem
     monkeypatch.chdir(tmp_path)  # it saves a file
     blocks = code_of("guide.md")
-    assert len(blocks) == 13
+    assert len(blocks) == 14
     for block in blocks:
         if "material=rock" in block or "law=" in block or "stabilisation=" in block:
             own = dict(names)
@@ -280,6 +281,7 @@ def test_the_guide_runs(capsys, tmp_path, monkeypatch):
         and len(names["solutions"]) == 21
         and names["steps"].last is names["solutions"][-1]
     )
+    assert names["along"].K_I == pytest.approx(200 * np.sqrt(0.3 / np.pi), rel=1e-4)
 
 
 RESULTS = ROOT / "benchmarks" / "results"
