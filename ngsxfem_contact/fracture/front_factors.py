@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._ngsxfem_contact import CrackedSolid
 from ..arguments import check_item, check_positive, check_type, check_whole
 from ..tables import Table
+from .front_fields import FrontField
 from .front_integral import FrontIntegrals
 from .front_tube import FrontCurve, Hats, Room, TubeRule
 
 if TYPE_CHECKING:
-    from .._ngsxfem_contact import CrackedSolid
     from ..material import Elasticity, Isotropic
-    from .front_fields import FrontField
 
 RADII = (1, 0.75, 0.5)  # of the tubes that are compared, relative to the largest
 LARGEST, LEAST = 4, 1  # radius over h
@@ -106,24 +106,29 @@ def front_factors(
     Raises
     ------
     ValueError
-        If the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius.
+        If the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
+        fields that are not finite.
+    TypeError
+        For other arguments.
 
     Notes
     -----
     h is the longest edge of an element that holds the front, the mean of them. On a front that ends on ∂Ω, or has corners, nodes are where discs normal to it
     have room; at ends K as such does not exist in general (the corner's singularity is another one), so that values there are those of the domains before it.
     """
+    check_type(body, CrackedSolid, "front_factors: body", "a body in space; build one by CrackedMesh(mesh, sheet, ...)")
+    check_type(u, FrontField, "front_factors: u", "a FrontField")
     check_item(front, body.fronts, "front", "body.fronts")
     if getattr(material, "form", "") == "plane stress":
-        raise ValueError("StressIntensity: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.PlaneStrain(E, nu) has them")
+        raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.PlaneStrain(E, nu) has them")
     curve = FrontCurve(body, front)
     h = curve.h
     if radius is not None:
-        check_positive(radius, f"StressIntensity: radius at front {front}")
+        check_positive(radius, f"front_factors: radius at front {front}")
     if nodes is not None:
-        check_whole(nodes, "StressIntensity: nodes", 5)
+        check_whole(nodes, "front_factors: nodes", 5)
     if rule is not None:
-        check_type(rule, TubeRule, "StressIntensity: rule", "a TubeRule")
+        check_type(rule, TubeRule, "front_factors: rule", "a TubeRule")
     radius, stretches = _room(curve, Room(curve, material), h, radius)
     parts = []
     for start, end in stretches:
@@ -150,7 +155,7 @@ def _room(curve: FrontCurve, room: Room, h: float, given: float | None) -> tuple
             break
         radius *= 0.85
     what = f"meets {met[0]}; choose a smaller radius or refine" if met else f"is narrower than an element (h = {h:.4g}); refine the mesh there"
-    raise ValueError(f"StressIntensity: the tube of radius {radius:.4g} around front {curve.number} {what}")
+    raise ValueError(f"front_factors: the tube of radius {radius:.4g} around front {curve.number} {what}")
 
 
 @dataclass
@@ -170,6 +175,8 @@ def _on_stretch(curve: FrontCurve, material: Elasticity, u: FrontField, hats: Ha
     integrals = FrontIntegrals(curve, material, u, hats, radii, rule)
     scale = np.array([0.5 * material.E_prime, 0.5 * material.E_prime, material.mu, 0.5])
     moments = integrals() * scale
+    if not np.isfinite(moments).all():
+        raise ValueError(f"front_factors: the fields around front {curve.number} are not finite everywhere in the tube of radius {radii[0]:.4g}")
     values = np.stack([hats.Values(of_radius) for of_radius in moments])
     doubt, pressed = integrals.Doubt() * scale[:3] / hats.weights[:, None], integrals.Pressed(h)
     rough = hats.Largest(np.abs(hats.Values(moments[0], 5) - values[0]))

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CF, CoefficientFunction
 
-from .tip_fields import angular_functions
+from ..arguments import check_function
+from .tip_fields import SIDE, angular_functions
 
 if TYPE_CHECKING:
     from ..material import Elasticity
@@ -42,6 +43,11 @@ class FrontField:
         (3, 3), a stress σ⁰ in σ = C:ε + σ⁰.
     given_change
         Its derivatives by x, y, z, three of (3, 3); default: it is constant.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what are no functions with as many components, and for other sides.
     """
 
     gradient: CoefficientFunction
@@ -52,6 +58,20 @@ class FrontField:
     body_force: CoefficientFunction | None = None
     given: CoefficientFunction | None = None
     given_change: tuple[CoefficientFunction, ...] | None = None
+
+    def __post_init__(self) -> None:
+        for name, dim in (("gradient", 9), ("pressure", 1), ("doubt", 3), ("body_force", 3), ("given", 9)):
+            if getattr(self, name) is not None:
+                check_function(getattr(self, name), f"FrontField: {name}", dim)
+        for name, sides, dim in (("faces", self.faces, 9), ("traction", self.traction, 3)):
+            if sides and sides.keys() != SIDE.keys():
+                raise ValueError(f"FrontField: {name} has the keys {list(sides)}; give both sides, {list(SIDE)}")
+            for side, function in (sides or {}).items():
+                check_function(function, f"FrontField: {name}[{side!r}]", dim)
+        if self.given_change is not None and len(self.given_change) != 3:
+            raise ValueError(f"FrontField: given_change has {len(self.given_change)} parts; give the derivatives by x, y and z")
+        for part in self.given_change or ():
+            check_function(part, "FrontField: given_change", 9)
 
     def OnFace(self, side: str) -> CoefficientFunction:
         """∂_j u_i on a face.

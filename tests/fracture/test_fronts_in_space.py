@@ -284,6 +284,18 @@ def test_another_material_in_the_tube():
     assert error_of(front_factors(body, field_of(form), material, nodes=12, radius=0.14, rule=FINE), form) < 1e-4
 
 
-def test_the_rule_has_a_type():
-    with pytest.raises(TypeError, match="not a TubeRule"):
-        front_factors(DISK, field_of(FORMS["tension"]), MATERIAL, rule=3)
+def test_arguments_that_make_no_sense():
+    gradient, field = CF(tuple(9 * [x]), dims=(3, 3)), FrontField(CF(tuple(9 * [x]), dims=(3, 3)))
+    for make, error, match in (
+        (lambda: front_factors(DISK, field, MATERIAL, rule=3), TypeError, "not a TubeRule"),
+        (lambda: front_factors(DISK, gradient, MATERIAL), TypeError, "not a FrontField"),
+        (lambda: front_factors(MESH, field, MATERIAL), TypeError, "not a body in space"),
+        (lambda: front_factors(DISK, FrontField(gradient / (x - x)), MATERIAL, rule=COARSE), ValueError, "not finite"),
+        (lambda: FrontField(CF((x, y))), ValueError, "gradient"),
+        (lambda: FrontField(gradient, traction={"plus": CF((0, 0, 1))}), ValueError, "give both sides"),
+        (lambda: FrontField(gradient, faces={"Plus": gradient, "minus": gradient}), ValueError, "give both sides"),
+        (lambda: FrontField(gradient, traction={"plus": 1, "minus": 1}), ValueError, "traction"),
+        (lambda: FrontField(gradient, given=gradient, given_change=(gradient,)), ValueError, "given_change has 1 parts"),
+    ):
+        with pytest.raises(error, match=match):
+            make()
