@@ -21,7 +21,7 @@ from test_fronts_in_space import AXES, DISK, FORMS, MATERIAL, MESH, ORIGIN, A, B
 
 from ngsxfem_contact import CrackedMesh  # noqa: E402
 from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, penny_in_tension, sheared_penny  # noqa: E402
-from ngsxfem_contact.fracture.front_factors import front_factors  # noqa: E402
+from ngsxfem_contact.fracture.front_stress_intensity import front_factors  # noqa: E402
 from ngsxfem_contact.fracture.front_tube import TubeRule  # noqa: E402
 from ngsxfem_contact.geometry import Sheet  # noqa: E402
 

@@ -1,8 +1,8 @@
 """Stress intensity factors, energy release rates, growth: read from functions in V_h and their stresses, however they were found."""
 
-from .front_factors import front_factors
 from .front_fields import FrontField
 from .front_growth import SheetGrowth, grown_sheet
+from .front_stress_intensity import front_factors
 from .front_tube import TubeRule
 from .growth import CrackGrowth
 from .growth_laws import GivenIncrement, MaximumHoopStress, Paris, WingCracks

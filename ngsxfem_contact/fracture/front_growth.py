@@ -17,7 +17,7 @@ from ..tables import Table
 from .front_tube import FrontCurve
 
 if TYPE_CHECKING:
-    from .front_factors import FrontFactors
+    from .front_stress_intensity import FrontFactors
 
 logger = logging.getLogger(__name__)
 

@@ -8,8 +8,8 @@ from ngsolve.meshes import MakeStructured3DMesh
 from ngsxfem_contact import Crack, CrackedMesh, Elasticity
 from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, ellipse, penny_in_tension, sheared_penny, twisted_penny
 from ngsxfem_contact.exact.straight_fronts import straight_front
-from ngsxfem_contact.fracture.front_factors import front_factors
 from ngsxfem_contact.fracture.front_fields import FrontField
+from ngsxfem_contact.fracture.front_stress_intensity import front_factors
 from ngsxfem_contact.fracture.front_tube import FrontCurve, Hats, TubeRule, points_on_sheet
 from ngsxfem_contact.geometry import Sheet
 

@@ -9,7 +9,7 @@ from test_fronts_in_space import MATERIAL, MESH, TubeRule, field_of
 from ngsxfem_contact import CrackedMesh
 from ngsxfem_contact.exact.pennies import ellipse, penny_in_tension
 from ngsxfem_contact.fracture import GivenIncrement, Paris, SheetGrowth, front_factors, grown_sheet
-from ngsxfem_contact.fracture.front_factors import FrontFactors
+from ngsxfem_contact.fracture.front_stress_intensity import FrontFactors
 from ngsxfem_contact.fracture.front_tube import FrontCurve
 from ngsxfem_contact.geometry import Sheet
 
