@@ -1,5 +1,9 @@
 """Stress intensity factors, energy release rates, growth: read from functions in V_h and their stresses, however they were found."""
 
+from .front_fields import FrontField
+from .front_growth import SheetGrowth, grown_sheet
+from .front_stress_intensity import front_factors
+from .front_tube import TubeRule
 from .growth import CrackGrowth
 from .growth_laws import GivenIncrement, MaximumHoopStress, Paris, WingCracks
 from .initiation import NewCrack, StressInitiation
@@ -8,6 +12,7 @@ from .stress_intensity import InteractionIntegral, JumpExtrapolation, ModeCoeffi
 
 __all__ = [
     "CrackGrowth",
+    "FrontField",
     "GivenIncrement",
     "InteractionIntegral",
     "JumpExtrapolation",
@@ -16,6 +21,10 @@ __all__ = [
     "ModeCoefficients",
     "NewCrack",
     "Paris",
+    "SheetGrowth",
     "StressInitiation",
+    "TubeRule",
     "WingCracks",
+    "front_factors",
+    "grown_sheet",
 ]

@@ -1,7 +1,7 @@
 """Fields around a front in its frame (e₁, e₂, e₃): the modes I, II, III as auxiliary fields, and what is read from a displacement.
 
 The auxiliary fields are b = U_i(x₁, x₂) e_i(s), U the fields of unit K of a straight front: displacements with their true gradients, whose stresses are not
-in equilibrium where the front is curved. With κ̃ = κ/(1 + κ x₁), e₁' = κ e₃, e₃' = -κ e₁, section 13 of docs/method.md:
+in equilibrium where the front is curved. With κ̃ = κ/(1 + κ x₁), e₁' = κ e₃, e₃' = -κ e₁, section 17 of docs/method.md:
 
     ∇b = ∂_j U_i e_i ⊗ e_j + κ̃ (U₁ e₃ - U₃ e₁) ⊗ e₃.
 """
@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CF, CoefficientFunction
 
-from .tip_fields import angular_functions
+from ..arguments import check_function
+from .tip_fields import SIDE, angular_functions
 
 if TYPE_CHECKING:
     from ..material import Elasticity
@@ -42,6 +43,11 @@ class FrontField:
         (3, 3), a stress σ⁰ in σ = C:ε + σ⁰.
     given_change
         Its derivatives by x, y, z, three of (3, 3); default: it is constant.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what are no functions with as many components, and for other sides.
     """
 
     gradient: CoefficientFunction
@@ -53,25 +59,56 @@ class FrontField:
     given: CoefficientFunction | None = None
     given_change: tuple[CoefficientFunction, ...] | None = None
 
+    def __post_init__(self) -> None:
+        for name, dim in (("gradient", 9), ("pressure", 1), ("doubt", 3), ("body_force", 3), ("given", 9)):
+            if getattr(self, name) is not None:
+                check_function(getattr(self, name), f"FrontField: {name}", dim)
+        for name, sides, dim in (("faces", self.faces, 9), ("traction", self.traction, 3)):
+            if sides and sides.keys() != SIDE.keys():
+                raise ValueError(f"FrontField: {name} has the keys {list(sides)}; give both sides, {list(SIDE)}")
+            for side, function in (sides or {}).items():
+                check_function(function, f"FrontField: {name}[{side!r}]", dim)
+        if self.given_change is not None and len(self.given_change) != 3:
+            raise ValueError(f"FrontField: given_change has {len(self.given_change)} parts; give the derivatives by x, y and z")
+        for part in self.given_change or ():
+            check_function(part, "FrontField: given_change", 9)
+
     def OnFace(self, side: str) -> CoefficientFunction:
-        """∂_j u_i on a face."""
+        """∂_j u_i on a face.
+
+        Parameters
+        ----------
+        side : str
+            "plus" or "minus".
+        """
         return self.gradient if self.faces is None else self.faces[side]
 
 
 @dataclass
 class LocalField:
-    """Arrays at n points in the frames there: gradient, stress C:ε and given stress (n, 3, 3), body force (n, 3), derivative of the given stress along e₁."""
+    """Arrays at n points in the frames there: gradient, stress C:ε and given stress (n, 3, 3), body force (n, 3), derivative of the given stress along e₁ (n, 3, 3)."""
 
     gradient: np.ndarray
     stress: np.ndarray
-    force: np.ndarray | float = 0.0
-    given: np.ndarray | float = 0.0
-    given_ahead: np.ndarray | float = 0.0
+    force: np.ndarray
+    given: np.ndarray
+    given_ahead: np.ndarray
 
     @property
     def whole(self) -> np.ndarray:
         """The stress with the given one."""
         return self.stress + self.given
+
+    @property
+    def ahead(self) -> np.ndarray:
+        """∂₁ of the displacement, (n, 3)."""
+        return self.gradient[:, :, 0]
+
+    @staticmethod
+    def Of(material: Elasticity, gradient: np.ndarray, force: np.ndarray | None = None) -> LocalField:
+        """Without given stress."""
+        zero = np.zeros_like(gradient)
+        return LocalField(gradient, stress_of(material, gradient), zero[:, 0] if force is None else force, zero, zero)
 
 
 def stress_of(material: Elasticity, gradient: np.ndarray) -> np.ndarray:
@@ -85,7 +122,7 @@ def local_field(field: FrontField, material: Elasticity, points: Any, frames: np
     turned = lambda tensor: np.einsum("npi,nij,nqj->npq", frames, tensor.reshape(-1, 3, 3), frames)
     evaluated = lambda f: np.asarray(CF(f)(points), dtype=float)
     gradient = turned(evaluated(field.gradient if side is None else field.OnFace(side)))
-    found = LocalField(gradient, stress_of(material, gradient))
+    found = LocalField.Of(material, gradient)
     if field.body_force is not None:
         found.force = np.einsum("npi,ni->np", frames, evaluated(field.body_force))
     if field.given is not None:
@@ -126,11 +163,11 @@ def modes(material: Elasticity, r: np.ndarray, theta: np.ndarray, kappa: np.ndar
         gradient = matrices([[U11, U12, zero], [U21, U22, zero], [zero, zero, turn * U1]])
         shear = mu * (U12 + U21)
         divergence = [lam * turn * (U11 - turn * U1) + 2 * mu * turn * (U11 - turn * U1), lam * turn * U12 + turn * shear, (lam + 2 * mu) * turn_change * U1]
-        fields.append(LocalField(gradient, stress_of(material, gradient), -np.stack(divergence, axis=-1)))
+        fields.append(LocalField.Of(material, gradient, -np.stack(divergence, axis=-1)))
     U3, U31, U32 = along(4 * s, 2 * c)
     gradient = matrices([[zero, zero, -turn * U3], [zero, zero, zero], [U31, U32, zero]])
     divergence = [-mu * turn_change * U3, zero, mu * turn * (U31 - turn * U3)]
-    fields.append(LocalField(gradient, stress_of(material, gradient), -np.stack(divergence, axis=-1)))
+    fields.append(LocalField.Of(material, gradient, -np.stack(divergence, axis=-1)))
     return fields
 
 

@@ -1,4 +1,4 @@
-"""The symmetric form I(a,b) of two fields around a front, for all hats along it at once: section 13 of docs/method.md.
+"""The symmetric form I(a,b) of two fields around a front, for all hats along it at once: section 17 of docs/method.md.
 
 With V = q(r) N(s) e₁ for a hat N, σ = C:ε + σ⁰ and f the body force,
 
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from .front_tube import FrontCurve, Hats, TubeRule
 
 
+BLOCK = 200_000  # points at once
+
+
 def weight(r: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
     """q = 1 - t³ (10 - 15 t + 6 t²) for t = r/radius ≤ 1, else 0, and q'."""
     t = np.minimum(r / radius, 1)
@@ -33,19 +36,21 @@ def weight(r: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
 
 def momentum(a: LocalField, b: LocalField) -> tuple[np.ndarray, np.ndarray]:
     """The row e₁·M (n, 3) and M_33 (n,)."""
-    energy = np.einsum("nij,nij->n", a.stress + a.given, b.gradient) + np.einsum("nij,nij->n", b.given + 0 * a.gradient, a.gradient)
-    row = -np.einsum("nk,nkj->nj", a.gradient[:, :, 0], b.whole) - np.einsum("nk,nkj->nj", b.gradient[:, :, 0], a.whole)
-    third = energy - np.einsum("nk,nk->n", a.gradient[:, :, 2], b.whole[:, :, 2]) - np.einsum("nk,nk->n", b.gradient[:, :, 2], a.whole[:, :, 2])
+    energy = product(a.whole, b.gradient) + product(b.given, a.gradient)
+    column = lambda j: -np.einsum("nk,nkj->nj", a.gradient[:, :, j], b.whole) - np.einsum("nk,nkj->nj", b.gradient[:, :, j], a.whole)
+    row, third = column(0), column(2)
     row[:, 0] += energy
-    return row, third
+    return row, third[:, 2] + energy
+
+
+def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a:b or a·b at each point."""
+    return (a * b).reshape(len(a), -1).sum(axis=1)
 
 
 def load(a: LocalField, b: LocalField) -> np.ndarray:
     """f_a·∂₁b + f_b·∂₁a + ∂₁σ⁰_a:∇b + ∂₁σ⁰_b:∇a, (n,)."""
-    one = lambda a, b: (
-        np.einsum("ni,ni->n", a.force + 0 * b.gradient[:, :, 0], b.gradient[:, :, 0]) + np.einsum("nij,nij->n", a.given_ahead + 0 * b.gradient, b.gradient)
-    )
-    return one(a, b) + one(b, a)
+    return product(a.force, b.ahead) + product(b.force, a.ahead) + product(a.given_ahead, b.gradient) + product(b.given_ahead, a.gradient)
 
 
 @dataclass
@@ -84,8 +89,7 @@ class FrontIntegrals:
         doubt = np.einsum("npi,ni->np", frames, CF(self.field.doubt)(points))
         zero = 0 * r
         both = [modes(self.material, r, sign * np.pi + zero, kappa, zero) for sign in SIDE.values()]
-        jumps = [plus.gradient[:, :, 0] - minus.gradient[:, :, 0] for plus, minus in zip(*both)]
-        density = np.stack([np.abs(np.einsum("np,np->n", doubt, jump)) for jump in jumps], axis=-1)
+        density = np.stack([np.abs(product(doubt, plus.ahead - minus.ahead)) for plus, minus in zip(*both)], axis=-1)
         return self.hats.Sum(s, (weight(r, self.radii[0])[0] * weights)[:, None] * density)
 
     def Pressed(self, h: float) -> np.ndarray:
@@ -117,12 +121,17 @@ class FrontIntegrals:
         return field, modes(self.material, r, theta, each(kappa), change), (r, theta, weights, each(kappa))
 
     def _volume(self) -> np.ndarray:
-        s, ds = self.rule.Along(self.hats, self.curve.JointsOn(self.hats))
+        s, ds = self.rule.Along(self.curve.Edges(self.hats))
+        size = len(self.rule.Disc(self.radii)[0])
+        blocks = np.array_split(np.arange(len(s)), -(-len(s) * size // BLOCK))
+        return np.sum([self._over_discs(s[block], ds[block]) for block in blocks], axis=0)
+
+    def _over_discs(self, s: np.ndarray, ds: np.ndarray) -> np.ndarray:
+        """The part of some of the discs, with weights ds."""
         field, auxiliary, (r, theta, weights, kappa) = self._discs(s)
         count = len(r) // len(s)
-        s, ds = np.repeat(s, count), np.repeat(ds, count)
-        h3 = 1 + kappa * r * np.cos(theta)
-        weights = weights * ds * h3
+        s, h3 = np.repeat(s, count), 1 + kappa * r * np.cos(theta)
+        weights = weights * np.repeat(ds, count) * h3
         across, along, value = [], [], []
         for other in (*auxiliary, field):
             row, third = momentum(field, other)
@@ -149,14 +158,14 @@ class FrontIntegrals:
             at, step = np.array([s]), 1e-7 * self.curve.length
             field, _, (r, theta, weights, _) = self._discs(at)
             after, before = (modes(self.material, r, theta, self.curve.Curvatures(at + side * step) + 0 * r, 0 * r) for side in (1, -1))
-            flow = np.stack([np.einsum("nk,nk->n", a.stress[:, :, 2] - b.stress[:, :, 2], field.gradient[:, :, 0]) for a, b in zip(after, before)], axis=-1)
+            flow = np.stack([product(a.stress[:, :, 2] - b.stress[:, :, 2], field.ahead) for a, b in zip(after, before)], axis=-1)
             for i, radius in enumerate(self.radii):
                 total[i, :, :3] += self.hats.Sum(at, ((weight(r, radius)[0] * weights) @ flow)[None])
         return total
 
     def _face_points(self) -> tuple[Any, ...]:
         """Mesh points on the sheet in the tube, frames, s, r, weights and κ there."""
-        curve, (s, ds) = self.curve, self.rule.Along(self.hats, self.curve.JointsOn(self.hats))
+        curve, (s, ds) = self.curve, self.rule.Along(self.curve.Edges(self.hats))
         r, dr = self.rule.Radius(self.radii)
         frames, kappa = curve.Frames(s), curve.Curvatures(s)
         points = (curve.Points(s)[:, None] - r[:, None] * frames[:, None, 0]).reshape(-1, 3)
@@ -172,9 +181,8 @@ class FrontIntegrals:
             field = local_field(self.field, self.material, points, frames, side)
             traction = self._traction(side, points, frames)
             for i, other in enumerate(modes(self.material, r, sign * np.pi + 0 * r, kappa, 0 * r)):
-                flow[:, i] += sign * np.einsum("np,np->n", other.stress[:, :, 1], field.gradient[:, :, 0])
-                flow[:, i] += sign * np.einsum("np,np->n", traction, other.gradient[:, :, 0])
-            flow[:, 3] += sign * 2 * np.einsum("np,np->n", traction, field.gradient[:, :, 0])
+                flow[:, i] += sign * (product(other.stress[:, :, 1], field.ahead) + product(traction, other.ahead))
+            flow[:, 3] += sign * 2 * product(traction, field.ahead)
         return np.stack([self.hats.Sum(s, (weight(r, radius)[0] * weights)[:, None] * flow) for radius in self.radii])
 
     def _traction(self, side: str, points: Any, frames: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """The tube around a front in which its integrals are taken: hats along the front, where there is room for the tube, and rules of quadrature.
 
-Coordinates as in section 13 of docs/method.md: x = C(s) + r cos θ e₁ + r sin θ e₂, dV = (1 + κ r cos θ) r dr dθ ds, θ = ±π on the faces.
+Section 14 of docs/method.md. Coordinates: x = C(s) + r cos θ e₁ + r sin θ e₂, dV = (1 + κ r cos θ) r dr dθ ds, θ = ±π on the faces.
 """
 
 from __future__ import annotations
@@ -59,6 +59,11 @@ class Hats:
         halves = [half for half, there in ((-1, hat > 0), (1, hat < self.intervals)) if there or self.closed]
         return np.sum([(0.5, 0.5 * offset + half / 6, 0.5 * offset**2 + half * offset / 3 + 1 / 12) for half in halves], axis=0)
 
+    def Largest(self, values: np.ndarray) -> np.ndarray:
+        """At each node the largest of its value and those of its neighbours."""
+        at = np.arange(len(values))[:, None] + [-1, 0, 1]
+        return values[at % len(values) if self.closed else np.clip(at, 0, len(values) - 1)].max(axis=1)
+
     @property
     def weights(self) -> np.ndarray:
         """∫ N_k ds."""
@@ -67,28 +72,55 @@ class Hats:
 
 @dataclass(frozen=True)
 class TubeRule:
-    """Gauss points between two nodes of the hats, in √r in each of the parts of the radius, and in θ."""
+    """Gauss points in the coordinates of a tube.
+
+    Parameters
+    ----------
+    along : int
+        Their number between two nodes, in s.
+    radial : int
+        In √r, in each of three parts of the radius.
+    angular : int
+        In θ, from one face to the other.
+    """
 
     along: int = 8
     radial: int = 6
     angular: int = 40
 
-    def Along(self, hats: Hats, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """s and ds, divided at nodes and joints."""
+    def Along(self, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """s and ds.
+
+        Parameters
+        ----------
+        edges
+            Between which there are points, ascending.
+        """
         x, w = np.polynomial.legendre.leggauss(self.along)
-        edges = np.unique([*hats.nodes, hats.end, *joints])
         half = 0.5 * np.diff(edges)[:, None]
         return (edges[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel()
 
     def Radius(self, radii: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """r and dr up to the largest radius, divided at the others."""
+        """r and dr up to the largest radius.
+
+        Parameters
+        ----------
+        radii
+            At which the rule is divided.
+        """
         edges = np.sqrt([0.0, *sorted(radii)])
         x, w = np.polynomial.legendre.leggauss(self.radial)
         root = (edges[:-1, None] + 0.5 * np.diff(edges)[:, None] * (1 + x)).ravel()
         return root**2, root * (np.diff(edges)[:, None] * w).ravel()
 
     def Disc(self, radii: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """r, θ and r dr dθ on the disc of the largest radius."""
+        """r, θ and r dr dθ on the disc of the largest radius.
+
+        Parameters
+        ----------
+        radii
+            As for Radius.
+        """
         (r, dr), (x, w) = self.Radius(radii), np.polynomial.legendre.leggauss(self.angular)
         each, theta = (a.ravel() for a in np.meshgrid(r, np.pi * x, indexing="ij"))
         return each, theta, np.outer(r * dr, np.pi * w).ravel()
@@ -141,6 +173,10 @@ class FrontCurve:
         joints = np.array([*self.joints, *(self.joints + self.length if self.front.closed else [])])
         return joints[(joints < hats.end) & (joints >= hats.start if hats.closed else joints > hats.start)]
 
+    def Edges(self, hats: Hats) -> np.ndarray:
+        """Nodes, the end, and joints, between which integrands are smooth along s."""
+        return np.unique([*hats.nodes, hats.end, *self.JointsOn(hats)])
+
     def CurvatureChange(self, s: np.ndarray) -> np.ndarray:
         """κ'(s) between joints, by differences."""
         s, step = self.Inside(s), 1e-5 * self.length
@@ -188,7 +224,7 @@ class Room:
     def Obstacles(self, s: np.ndarray, radius: float) -> list[str]:
         """What the disc of a radius at each s meets, "" for nothing."""
         points, frames, kappa = self.curve.Points(s), self.curve.Frames(s), self.curve.Curvatures(s)
-        found = np.full(len(s), "", dtype=object)
+        s, found = self.curve.Inside(s), np.full(len(s), "", dtype=object)
         for share in (0.5, 1):
             circle = points[:, None] + share * radius * (np.cos(CIRCLE)[:, None] * frames[:, None, 0] + np.sin(CIRCLE)[:, None] * frames[:, None, 1])
             at = self.mesh(*np.concatenate([circle, points[:, None]], axis=1).reshape(-1, 3).T)["nr"].reshape(len(s), -1)
@@ -201,7 +237,7 @@ class Room:
         for i, (point, frame) in enumerate(zip(points, frames)):
             if found[i]:
                 continue
-            nearest = [self.curve.front.Tube(tuple(point + side * radius * frame[0]))[2] - self.curve.Inside(s)[i] for side in (1, -1)]
+            nearest = [self.curve.front.Tube(tuple(point + side * radius * frame[0]))[2] - s[i] for side in (1, -1)]
             if any(min(abs(d), self.curve.length - abs(d) if self.curve.front.closed else np.inf) > 1e-6 * self.curve.length for d in nearest):
                 found[i] = "another part of the same front"
             elif any(front.Distance(tuple(point)) <= radius for front in self.others):

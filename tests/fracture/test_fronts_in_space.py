@@ -8,9 +8,9 @@ from ngsolve.meshes import MakeStructured3DMesh
 from ngsxfem_contact import Crack, CrackedMesh, Elasticity
 from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, ellipse, penny_in_tension, sheared_penny, twisted_penny
 from ngsxfem_contact.exact.straight_fronts import straight_front
-from ngsxfem_contact.fracture.front_factors import front_factors
 from ngsxfem_contact.fracture.front_fields import FrontField
-from ngsxfem_contact.fracture.front_tube import FrontCurve, Hats, TubeRule
+from ngsxfem_contact.fracture.front_stress_intensity import front_factors
+from ngsxfem_contact.fracture.front_tube import FrontCurve, Hats, TubeRule, points_on_sheet
 from ngsxfem_contact.geometry import Sheet
 
 MATERIAL = Elasticity.PlaneStrain(E=2.6, nu=0.3)
@@ -225,6 +225,17 @@ def test_hats_give_back_parabolas():
         assert slopes.sum() == pytest.approx(0, abs=1e-13)
 
 
+@pytest.mark.parametrize("height", [0.5, 0.53])
+def test_points_on_a_sheet(height):
+    """In the elements that carry it, also where it lies along faces of the mesh; and where they were."""
+    body = CrackedMesh(MESH, Sheet.Disk((0.5, 0.51, height), (0, 0, 1), 0.3))
+    rng = np.random.default_rng(1)
+    points = np.stack([*rng.uniform(0.31, 0.69, (2, 300)), np.full(300, height)], axis=-1)
+    at = points_on_sheet(body, 0, points)
+    assert set(at["nr"]) <= {cell.element for cell in body.Elements(0)}
+    assert np.abs(CF((x, y, z))(at) - points).max() < 1e-13
+
+
 def test_the_table(tmp_path):
     body, form = straight(0)
     found = front_factors(body, field_of(form), MATERIAL, nodes=5, rule=FINE)
@@ -273,6 +284,18 @@ def test_another_material_in_the_tube():
     assert error_of(front_factors(body, field_of(form), material, nodes=12, radius=0.14, rule=FINE), form) < 1e-4
 
 
-def test_the_rule_has_a_type():
-    with pytest.raises(TypeError, match="not a TubeRule"):
-        front_factors(DISK, field_of(FORMS["tension"]), MATERIAL, rule=3)
+def test_arguments_that_make_no_sense():
+    gradient, field = CF(tuple(9 * [x]), dims=(3, 3)), FrontField(CF(tuple(9 * [x]), dims=(3, 3)))
+    for make, error, match in (
+        (lambda: front_factors(DISK, field, MATERIAL, rule=3), TypeError, "not a TubeRule"),
+        (lambda: front_factors(DISK, gradient, MATERIAL), TypeError, "not a FrontField"),
+        (lambda: front_factors(MESH, field, MATERIAL), TypeError, "not a body in space"),
+        (lambda: front_factors(DISK, FrontField(gradient / (x - x)), MATERIAL, rule=COARSE), ValueError, "not finite"),
+        (lambda: FrontField(CF((x, y))), ValueError, "gradient"),
+        (lambda: FrontField(gradient, traction={"plus": CF((0, 0, 1))}), ValueError, "give both sides"),
+        (lambda: FrontField(gradient, faces={"Plus": gradient, "minus": gradient}), ValueError, "give both sides"),
+        (lambda: FrontField(gradient, traction={"plus": 1, "minus": 1}), ValueError, "traction"),
+        (lambda: FrontField(gradient, given=gradient, given_change=(gradient,)), ValueError, "given_change has 1 parts"),
+    ):
+        with pytest.raises(error, match=match):
+            make()

@@ -168,6 +168,7 @@ def test_the_guide_names_what_exists():
     other = {
         "GridFunction",
         "GridFunctions",
+        "MakeStructured3DMesh",
         "DataFrame",
         "OpenMPI",
         "LinearForm",
@@ -294,6 +295,7 @@ def test_the_guide_runs(capsys, tmp_path, monkeypatch):
         and len(names["solutions"]) == 21
         and names["steps"].last is names["solutions"][-1]
     )
+    assert names["along"].K_I == pytest.approx(200 * np.sqrt(0.3 / np.pi), rel=1e-4)
 
 
 RESULTS = ROOT / "benchmarks" / "results"

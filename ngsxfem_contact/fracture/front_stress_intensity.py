@@ -1,4 +1,4 @@
-"""K_I, K_II, K_III and G along the fronts of a solid: section 13 of docs/method.md.
+"""K_I, K_II, K_III and G along the fronts of a solid: section 17 of docs/method.md.
 
 I(u, mode) = 2K/E' for modes I and II, K/μ for mode III, I(u,u) = 2G.
 """
@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._ngsxfem_contact import CrackedSolid
 from ..arguments import check_item, check_positive, check_type, check_whole
 from ..tables import Table
+from .front_fields import FrontField
 from .front_integral import FrontIntegrals
 from .front_tube import FrontCurve, Hats, Room, TubeRule
 
 if TYPE_CHECKING:
-    from .._ngsxfem_contact import CrackedSolid
     from ..material import Elasticity, Isotropic
-    from .front_fields import FrontField
 
 RADII = (1, 0.75, 0.5)  # of the tubes that are compared, relative to the largest
 LARGEST, LEAST = 4, 1  # radius over h
 SPACING = 2  # between nodes, over h
-SPREAD = 3  # of the values of three radii, as at tips in the plane
+SPREAD, ROUGH = 3, 2  # times the change over radii, and that by smoothing: found by benchmarks/fronts.py
 NAMES = ("K_I", "K_II", "K_III")
 
 
@@ -35,6 +35,8 @@ class FrontFactors:
 
     Attributes
     ----------
+    body, front
+        The CrackedSolid and the number in its `fronts`.
     s
         Arc lengths (n,) of the nodes.
     points
@@ -44,14 +46,15 @@ class FrontFactors:
     irwin
         (K_I² + K_II²)/E' + K_III²/(2μ).
     errors
-        (n, 3), what K_I, K_II, K_III may be off: three times the change over `radii`, the difference from values that are smoothed along s, and what the
-        traction of the faces may be off, the largest.
+        (n, 3), what K_I, K_II, K_III may be off, the largest of: three times the change over `radii`; twice the difference from parabolas through five nodes, the
+        largest of three neighbours; what a doubtful traction of the faces makes.
     G_error
         (n,), in the same way, or the difference from irwin.
     by_radius
         (number of radii, n, 4): K_I, K_II, K_III, G of each of the `radii`.
     """
 
+    body: CrackedSolid = field(repr=False)
     front: int
     s: np.ndarray
     points: np.ndarray
@@ -66,11 +69,16 @@ class FrontFactors:
     by_radius: np.ndarray = field(repr=False)
 
     @property
-    def table(self) -> Table:
-        """A Table with a row for each node: s, x, y, z, K_I, K_II, K_III and their errors, G, its error, and Irwin's value."""
+    def columns(self) -> dict[str, np.ndarray]:
+        """Those of the table, by their names."""
         columns = {"front": np.full(len(self.s), self.front), "s": self.s, **dict(zip("xyz", self.points.T))}
         columns |= {name: getattr(self, name) for name in NAMES} | {f"{name}_error": error for name, error in zip(NAMES, self.errors.T)}
-        return Table.Of(columns | {"G": self.G, "G_error": self.G_error, "irwin": self.irwin})
+        return columns | {"G": self.G, "G_error": self.G_error, "irwin": self.irwin}
+
+    @property
+    def table(self) -> Table:
+        """A Table with a row for each node: s, x, y, z, K_I, K_II, K_III and their errors, G, its error, and Irwin's value."""
+        return Table.Of(self.columns)
 
 
 def front_factors(
@@ -80,6 +88,8 @@ def front_factors(
 
     Parameters
     ----------
+    body
+        The CrackedSolid.
     u
         What is known of the displacement, and what acts.
     material
@@ -96,24 +106,29 @@ def front_factors(
     Raises
     ------
     ValueError
-        If the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius.
+        If the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
+        fields that are not finite.
+    TypeError
+        For other arguments.
 
     Notes
     -----
     h is the longest edge of an element that holds the front, the mean of them. On a front that ends on ∂Ω, or has corners, nodes are where discs normal to it
     have room; at ends K as such does not exist in general (the corner's singularity is another one), so that values there are those of the domains before it.
     """
+    check_type(body, CrackedSolid, "front_factors: body", "a body in space; build one by CrackedMesh(mesh, sheet, ...)")
+    check_type(u, FrontField, "front_factors: u", "a FrontField")
     check_item(front, body.fronts, "front", "body.fronts")
     if getattr(material, "form", "") == "plane stress":
-        raise ValueError("StressIntensity: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.PlaneStrain(E, nu) has them")
+        raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.PlaneStrain(E, nu) has them")
     curve = FrontCurve(body, front)
     h = curve.h
     if radius is not None:
-        check_positive(radius, f"StressIntensity: radius at front {front}")
+        check_positive(radius, f"front_factors: radius at front {front}")
     if nodes is not None:
-        check_whole(nodes, "StressIntensity: nodes", 5)
+        check_whole(nodes, "front_factors: nodes", 5)
     if rule is not None:
-        check_type(rule, TubeRule, "StressIntensity: rule", "a TubeRule")
+        check_type(rule, TubeRule, "front_factors: rule", "a TubeRule")
     radius, stretches = _room(curve, Room(curve, material), h, radius)
     parts = []
     for start, end in stretches:
@@ -125,7 +140,7 @@ def front_factors(
     K, values, errors, irwin = (np.concatenate([getattr(part, name) for part in parts], axis=axis) for name, axis in _Found.arrays)
     G, (K_I, K_II, K_III) = values[0, :, 3], K.T
     G_error = np.maximum(errors[:, 3], np.abs(G - irwin))
-    return FrontFactors(front, s, curve.Points(s), K_I, K_II, K_III, G, irwin, errors[:, :3], G_error, tuple(part * radius for part in RADII), values)
+    return FrontFactors(body, front, s, curve.Points(s), K_I, K_II, K_III, G, irwin, errors[:, :3], G_error, tuple(part * radius for part in RADII), values)
 
 
 def _room(curve: FrontCurve, room: Room, h: float, given: float | None) -> tuple[float, list[tuple[float, float]]]:
@@ -140,7 +155,7 @@ def _room(curve: FrontCurve, room: Room, h: float, given: float | None) -> tuple
             break
         radius *= 0.85
     what = f"meets {met[0]}; choose a smaller radius or refine" if met else f"is narrower than an element (h = {h:.4g}); refine the mesh there"
-    raise ValueError(f"StressIntensity: the tube of radius {radius:.4g} around front {curve.number} {what}")
+    raise ValueError(f"front_factors: the tube of radius {radius:.4g} around front {curve.number} {what}")
 
 
 @dataclass
@@ -160,9 +175,12 @@ def _on_stretch(curve: FrontCurve, material: Elasticity, u: FrontField, hats: Ha
     integrals = FrontIntegrals(curve, material, u, hats, radii, rule)
     scale = np.array([0.5 * material.E_prime, 0.5 * material.E_prime, material.mu, 0.5])
     moments = integrals() * scale
+    if not np.isfinite(moments).all():
+        raise ValueError(f"front_factors: the fields around front {curve.number} are not finite everywhere in the tube of radius {radii[0]:.4g}")
     values = np.stack([hats.Values(of_radius) for of_radius in moments])
     doubt, pressed = integrals.Doubt() * scale[:3] / hats.weights[:, None], integrals.Pressed(h)
-    errors = np.maximum(SPREAD * np.ptp(values, axis=0), np.abs(hats.Values(moments[0], 5) - values[0]))
+    rough = hats.Largest(np.abs(hats.Values(moments[0], 5) - values[0]))
+    errors = np.maximum(SPREAD * np.ptp(values, axis=0), ROUGH * rough)
     errors[:, :3] = np.maximum(errors[:, :3], doubt)
     K = values[0, :, :3].copy()
     K[pressed, 0], errors[pressed, 0] = 0, 0
