@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from ngsolve import CoefficientFunction
 
-    from .._ngsxfem_contact import CrackedMesh, CrackFESpace
+    from .._ngsxfem_contact import CrackFESpace
 
 
 def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[Any] = (), fronts: Sequence[Any] = ()) -> GridFunction:
