@@ -18,9 +18,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ngsolve import Grad, InnerProduct, Sym
+from ngsolve import CF, Grad, IfPos, InnerProduct, Sym
 
 from ._ngsxfem_contact import Variation
 
@@ -122,3 +123,21 @@ class Component:
 
 NORMAL = Component(NormalGap, NormalStress, lambda body: body.normal)
 TANGENTIAL = Component(Slip, TangentialStress, lambda body: body.tangent)
+
+
+def SheetTangent(body: Any, number: int) -> CoefficientFunction:
+    """The unit vector a_1 (number 0) or a_2 (1) of the plane of the sheet on which a point lies; body: a CrackedSolid."""
+    vectors = [CF(tuple(sheet.axes[number])) for sheet in body.cracks]
+    tangent = vectors[0]
+    for sheet, vector in enumerate(vectors[1:], 1):
+        tangent = IfPos(0.25 - (body.crack_number - sheet) ** 2, vector, tangent)
+    return tangent
+
+
+def in_sheet(number: int) -> Component:
+    """That along a tangent of the sheets."""
+    tangent = partial(SheetTangent, number=number)
+    return Component(lambda u, body: InnerProduct(Jump(u), tangent(body)), lambda stress, body: InnerProduct(stress * body.normal, tangent(body)), tangent)
+
+
+FIRST_TANGENTIAL, SECOND_TANGENTIAL = in_sheet(0), in_sheet(1)

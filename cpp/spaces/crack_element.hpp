@@ -1,5 +1,5 @@
 #pragma once
-// The finite element of V_h on one element or boundary element: φ_i, its copies, and singular functions  (docs/method.md, sections 3 and 14).
+// The finite element of V_h on one element or boundary element: φ_i, its copies, and singular functions  (docs/method.md, section 3).
 //
 // Where cracks divide the support of φ_i into several connected parts, φ_i has a copy on each but the largest: ±φ_i there, 0 elsewhere. They
 // span with φ_i one function for each part, vanish on the largest, and their coefficients are the jumps at the node.

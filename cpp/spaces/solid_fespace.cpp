@@ -103,7 +103,7 @@ namespace ngsxfem_contact
           {
             FrontNode node { v, NearestFront(sheet, ma->GetPoint<3>(v)) };
             if (!partly_held.contains(v) && IsAlone(node)) nodes.push_back(node);
-            else num_left_out++;
+            else if (body->FrontNodes(sheet).contains(v)) num_left_out++;
           }
       }
   }

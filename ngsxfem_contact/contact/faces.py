@@ -52,7 +52,9 @@ class FaceHistory:
 
 
 def check_continued(old: Nodes, new: Nodes) -> None:
-    """Raises ValueError unless each old node lies on the crack of its number, to an interval between nodes."""
+    """Raises ValueError unless each old node lies on the crack of its number, to an interval between nodes; in space there are none."""
+    if old.positions.shape[1] == 3:
+        raise ValueError("a history in space stays on its spaces: give previous= a solution of the same V and W")
     for crack in np.unique(old.cracks):
         there, before, now = old.positions[old.cracks == crack], intervals(old, crack), intervals(new, crack)
         if not len(now):

@@ -28,7 +28,7 @@ from .mixed_system import MixedSystem
 from .nodal_law import LawByCrack, NodalLaw
 from .options import Start, StepOptions
 from .problem_data import check_modes, given_stresses, law_of, material_of
-from .solids import check_supported
+from .solids import check_supported, law_in
 from .solution import ContactSolution
 from .solver import ReducedProblem
 from .stabilisation import BarbosaHughes, Unstabilised, softened, trait
@@ -125,14 +125,14 @@ class ContactProblem(Described):
             check_role(stabilisation, Stabilisation, "ContactProblem: stabilisation", "an object such as BarbosaHughes()")
         decide(V, material)
         check_modes(V, material)
-        check_supported(V, material, stabilisation, friction if law is None else law)
+        check_supported(V, material, stabilisation, (initial_stress, temperature))
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
         self.stabilisation: Stabilisation = stabilisation if stabilisation is not None and V.body.cracks else Unstabilised()
         self.cone = CONES[cone]
         if law is not None and friction is not None:
             raise TypeError("ContactProblem: friction= and law= both give the law of the faces; keep one of them")
-        self.law = law_of(friction if law is None else law, V.body) if V.body.cracks else Frictionless()
+        self.law = law_in(V, law_of(friction if law is None else law, V.body)) if V.body.cracks else Frictionless()
         self.gap = gap if isinstance(gap, CoefficientFunction) else Parameter(gap)
         self._f, self._a, self.initial = LoadForm(V), StiffnessForm(V), LoadForm(V)
         self.temperature = 0 if temperature is None else check_function(temperature, "ContactProblem: temperature", 1)

@@ -98,12 +98,12 @@ def step_values(solution: ContactSolution) -> dict[str, Any]:
     """What a table of steps says of each, without its displacement: iterations, the part of the cracks whose nodes are in contact, forces, and energies of the faces."""
     state, report = solution.state, solution.report
     weights, history = state.nodes.weights, state.history
-    forces = [0.0, 0.0] if history is None else [*(history.traction @ weights).tolist(), 0.0, 0.0][:2]
+    forces = np.zeros(2) if history is None else np.append(history.traction @ weights, [0.0, 0.0])
     return {
         "iterations": report.iterations,
         "in_contact": float(weights[report.active[-1]].sum() / max(weights.sum(), np.finfo(float).tiny)),
-        "contact_force": forces[0],
-        "tangential_force": forces[1],
+        "contact_force": float(forces[0]),
+        "tangential_force": float(forces[1]) if len(forces) < 5 else float(np.linalg.norm(forces[1:3])),
         "dissipated": state.work.dissipated,
         "stored": state.work.stored,
     }

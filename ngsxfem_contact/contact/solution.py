@@ -13,13 +13,14 @@ from ..arguments import check_regions, check_whole, crack_number
 from ..description import Described
 from ..errors import NotSaved
 from ..loads.load import LoadTerms, check_unchanged
-from ..operators import NORMAL, NormalGap
+from ..operators import NORMAL
 from ..sheets import check_plane
 from ..spaces.incompressible import stress, stress_power
 from .at_tips import AtTips
 from .descriptions import of_solution
 from .mixed_system import LocalPressures
 from .of_errors import OfErrors
+from .on_faces import OnFaces, tangential
 from .profile import CrackProfile, State, changes, profile
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from .solver import ReducedProblem
 
 
-class ContactSolution(Described, AtTips, OfErrors):
+class ContactSolution(Described, AtTips, OnFaces, OfErrors):
     """What a solve found: displacement, pressure, and what can be read from them.
 
     With Nitsche's method the multipliers are L² projections of the pointwise law onto W.
@@ -71,7 +72,7 @@ class ContactSolution(Described, AtTips, OfErrors):
     multiplier : GridFunction
         λ, the normal traction that the faces exert on each other: ≤ 0, but where a law pulls.
     tangential_multiplier : GridFunction or None
-        λ_t; None without friction.
+        λ_t; None without friction. In space a CoefficientFunction, a vector in the plane of the sheet.
     a : StiffnessForm
         The springs and joints of the solve.
 
@@ -97,7 +98,7 @@ class ContactSolution(Described, AtTips, OfErrors):
         self.problem, self._recover, self.report, self.gamma, self.state = problem, recover, report, gamma, state
         self.a = problem.a.Copy()
         self.case, self._reduced = case, reduced
-        self.multiplier, self.tangential_multiplier = (*multipliers, None)[:2]
+        self.multiplier, self.tangential_multiplier = multipliers[0], tangential(multipliers[1:], problem.body)
 
     def __getstate__(self) -> dict[str, Any]:
         """What pickle saves: all but what follows from it, with the displacement, which is recovered and checked now."""
@@ -183,51 +184,6 @@ class ContactSolution(Described, AtTips, OfErrors):
         own = self.problem.V.share.Own(power * self.body.dx(bonus_intorder=max(0, 2 * self.problem.V.order - 5)))
         return 0.5 * self.problem.V.share.Sum(Integrate(own, self.body.mesh))
 
-    def ContactForce(self, crack: int | str = 0) -> float:
-        """∫λ over a crack, ≤ 0 unless a law pulls: the normal force that its faces exert on each other, stress × length.
-
-        Returns
-        -------
-        float
-            Stress × length.
-
-        Raises
-        ------
-        ValueError
-            For a crack that is not there.
-        """
-        return self._along(self.multiplier, crack)
-
-    def ContactArea(self, crack: int | str = 0) -> float:
-        """The length of a crack, in space the area of a sheet, of the nodes in contact, with their weights ∫ψ_i.
-
-        Raises
-        ------
-        ValueError
-            For a crack that is not there.
-        """
-        nodes, number = self.state.nodes, crack_number(crack, self.body)
-        return float(nodes.weights[self.report.active[-1] & (nodes.cracks == number)].sum())
-
-    @property
-    def gap(self) -> CoefficientFunction:
-        """g_n + g_0 on the cracks, a CoefficientFunction: how far the faces are apart."""
-        return NormalGap(self.u, self.body) + self.problem.gap
-
-    def TangentialForce(self, crack: int | str = 0) -> float:
-        """∫λ_t over a crack, with the sign of the slip: the force on its minus side along t; 0 without friction.
-
-        Returns
-        -------
-        float
-            Stress × length.
-        """
-        return self._along(self.tangential_multiplier, crack)
-
-    def _along(self, function: GridFunction, crack: int | str) -> float:
-        number = crack_number(crack, self.body)
-        return Integrate(function * self.problem.W.dcrack(crack=number), self.body.mesh) if function else 0.0
-
     def Reactions(self) -> SupportForces:
         """A table of what the supports exert on the body: a SupportForces, one row for each boundary that holds it and for each pin, and one for springs.
 
@@ -274,7 +230,7 @@ class ContactSolution(Described, AtTips, OfErrors):
     def Multipliers(self) -> np.ndarray:
         """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""
         L = self.state.L
-        return L if self.tangential_multiplier else np.concatenate([L, np.zeros(len(L))])
+        return L if self.tangential_multiplier is not None else np.concatenate([L, np.zeros(len(L))])
 
     def Profile(self, crack: int | str = 0, n: int = 200) -> CrackProfile:
         """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.
@@ -323,6 +279,7 @@ class ContactSolution(Described, AtTips, OfErrors):
 
     def SlipTransitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
+        check_plane(self.body, "SlipTransitions")
         tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(len(self.state.nodes))
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 

@@ -79,7 +79,7 @@ class ReducedProblem:
         self.exchange = exchange_of(problem.V)
         self.number = self.exchange.Count(problem.V.ndof)
         size = f"{self.number} displacement unknowns"
-        check_size(problem.V, problem.W)
+        check_size(problem.V, problem.W, problem.law)
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
             self.motions = PinnedMotions(problem)
             problem.supports.Check()
@@ -297,6 +297,6 @@ def complementarity(system: ContactSystem, problem: "ContactProblem", U: np.ndar
 
 
 def multipliers(problem: "ContactProblem", system: ContactSystem, L: np.ndarray) -> list[GridFunction]:
-    """L as GridFunctions: λ, and λ_t with friction."""
-    names = ("multiplier", "tangential_multiplier")[: len(problem.law.components)]
+    """L as GridFunctions: λ, and λ_t with friction, in space along both tangents."""
+    names = ("multiplier", "tangential_multiplier", "second_tangential_multiplier")[: len(problem.law.components)]
     return [system.Function(problem, values, name) for name, values in zip(names, np.split(L, len(names)))]

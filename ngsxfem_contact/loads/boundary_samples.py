@@ -117,19 +117,21 @@ class BoundarySamples:
 
 
 class SurfaceSamples(BoundarySamples):
-    """The three corners of each boundary triangle of a body in space. At mouths, where given displacements may jump, they are not looked at."""
+    """The three corners of each boundary triangle of a body in space. Those on a sheet, where given displacements may jump, are not looked at."""
 
     def __init__(self, body: CrackedSolid) -> None:
         self.body, self.mouths = body, []
         elements = list(body.mesh.Elements(BND))
         corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
-        a, b, c = np.moveaxis(body.mesh.ngmesh.Coordinates()[corners], 1, 0)
+        points = body.mesh.ngmesh.Coordinates()
+        a, b, c = np.moveaxis(points[corners], 1, 0)
         self.size = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
         self.element, self.vertex = np.repeat(np.arange(len(corners)), 3), corners.ravel()
         self.reference = np.tile([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], (len(corners), 1))
         self.region = np.array([element.index for element in elements])[self.element]
-        at_mouths = np.unique(corners[[number for crack in range(len(body.cracks)) for number in body.CutBoundaryElements(crack)]])
-        self.mouth = np.where(np.isin(self.vertex, at_mouths), 0, -1)
+        heights = [np.abs((points - sheet.origin) @ np.array(sheet.normal)) for sheet in body.cracks]
+        on_plane = np.min(heights, axis=0) <= AT * np.ptp(points, axis=0).max()
+        self.mouth = np.where(on_plane[self.vertex], 0, -1)
         self.side = np.zeros(len(self.vertex), dtype=int)
 
     def _points(self, rows: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import singledispatch
+from functools import singledispatch, wraps
 from typing import TYPE_CHECKING, Any
 
 from .. import _ngsxfem_contact as core
@@ -163,11 +163,6 @@ class CrackFESpace(Described, core.CrackFESpace):
     Section 3 of [AHLMR12], (6) to (8).
     """
 
-    def __new__(cls, *arguments: Any, **named: Any) -> Any:
-        """The SolidFESpace of a body in space, with its arguments."""
-        body = arguments[0] if arguments else named.get("body")
-        return SolidFESpace(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
-
     def __init__(
         self,
         body: CrackedMesh,
@@ -204,6 +199,12 @@ class CrackFESpace(Described, core.CrackFESpace):
         self.undecided = [number for number, enrichment in enumerate(tips) if isinstance(enrichment, TipEnrichment) and enrichment.undecided]
         warn_of_undecided(body, self.undecided)
         warn_of_coarse(body, specs, material)
+
+    @wraps(__init__, assigned=(), updated=())  # type: ignore[misc]  # the signature is that of __init__
+    def __new__(cls, *arguments: Any, **named: Any) -> Any:
+        """The SolidFESpace of a body in space, with its arguments."""
+        body = arguments[0] if arguments else named.get("body")
+        return SolidFESpace(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
 
     def Description(self) -> Lines:
         """Order, unknowns, and the material."""

@@ -54,7 +54,14 @@ class FrontEnrichment:
         check_type(self.rules, core.FrontDemand | None, "FrontEnrichment: rules", "a FrontDemand")
 
     def Spec(self, body: CrackedSolid, material: Isotropic | None) -> core.FrontSpec:
-        """What the space needs to know; material: that of the space.
+        """What the space needs to know.
+
+        Parameters
+        ----------
+        body : CrackedSolid
+            Of the space.
+        material : Elasticity or None
+            That of the space.
 
         Raises
         ------
@@ -99,7 +106,7 @@ class SolidFESpace(Described, core.SolidFESpace):
     Warns
     -----
     AccuracyWarning
-        Of fronts without a material.
+        Of fronts without a material, and of nodes around fronts without modes, where the crack is held together.
 
     Notes
     -----
@@ -135,6 +142,7 @@ class SolidFESpace(Described, core.SolidFESpace):
         has_modes = front is not None and len(body.fronts) > 0
         super().__init__(body, front.Spec(body, material) if front is not None and has_modes else None, order=order, **flags)
         self.material, self.share = material, Share(mesh=body.mesh)  # of one process: several refuse bodies in space
+        warn_of_left_out(self)
         self.undecided = list(range(len(body.fronts))) if front is not None and (front.material or material) is None else []
         if self.undecided:
             warn(
@@ -154,13 +162,25 @@ class SolidFESpace(Described, core.SolidFESpace):
         ]
 
     def Decide(self, material: Isotropic) -> None:
-        """Gives the fronts whose material was not known that of a problem."""
+        """Gives the fronts whose material was not known that of a problem.
+
+        Parameters
+        ----------
+        material : Elasticity
+            Of the problem.
+        """
         for number in self.undecided:
             self.SetFrontMaterial(number, *constants_at(self.body, material, number))
         self.undecided = []
 
     def CheckModes(self, material: Isotropic) -> None:
-        """Raises ValueError for modes of another material: their lips would carry tractions."""
+        """Raises ValueError for modes of another material: their lips would carry tractions.
+
+        Parameters
+        ----------
+        material : Elasticity
+            Of the problem.
+        """
         if self.front_spec is None:
             return
         for number, constants in enumerate(self.front_spec.materials):
@@ -176,6 +196,16 @@ class SolidFESpace(Described, core.SolidFESpace):
         of_core, material, undecided = state
         super().__setstate__(of_core)
         self.material, self.undecided, self.share = material, undecided, Share(mesh=self.body.mesh)
+
+
+def warn_of_left_out(V: SolidFESpace) -> None:
+    """Nodes around fronts without modes: these have no copies, either."""
+    if V.num_left_out:
+        warn(
+            f"CrackFESpace: {V.num_left_out} of {V.num_left_out + len(V.front_nodes)} nodes around fronts have no modes, and the crack is held together there: beside "
+            "corners of a front, where the front turns or two fronts are near within two elements, or where some components of u are held and others are not. "
+            "Refine the mesh there, or round the corners"
+        )
 
 
 def constants_at(body: CrackedSolid, material: Isotropic, number: int) -> tuple[float, float]:

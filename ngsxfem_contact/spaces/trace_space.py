@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property, singledispatch
+from functools import cached_property, singledispatch, wraps
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,11 +53,6 @@ class TraceSpace(Described, core.TraceSpace):
     Section 4 of [AHLMR12].
     """
 
-    def __new__(cls, *arguments: Any, **named: Any) -> Any:
-        """The SheetTraceSpace of a body in space, with its arguments."""
-        body = arguments[0] if arguments else named.get("body")
-        return SheetTraceSpace(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
-
     def __init__(self, body: CrackedMesh, order: int = 1, basis: str = "nodal", nodes: Any = None) -> None:
         check_plane_body(body, "TraceSpace: body")
         check_whole(order, "TraceSpace: order", 0)
@@ -75,6 +70,12 @@ class TraceSpace(Described, core.TraceSpace):
         if basis == "trace" and order > 0:
             functions = core.MeshTraceBasis(body, order, nodes, redundant_functions(body, order, nodes))
         super().__init__(body, functions, order)
+
+    @wraps(__init__, assigned=(), updated=())  # type: ignore[misc]  # the signature is that of __init__
+    def __new__(cls, *arguments: Any, **named: Any) -> Any:
+        """The SheetTraceSpace of a body in space, with its arguments."""
+        body = arguments[0] if arguments else named.get("body")
+        return SheetTraceSpace(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
 
     @property
     def nodes(self) -> TraceNodes:

@@ -8,7 +8,7 @@ from netgen.occ import Box, OCCGeometry, Pnt, Sphere
 from ngsolve import VOL, ElementId, Mesh
 from ngsolve.meshes import MakeStructured3DMesh
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, TraceSpace
+from ngsxfem_contact import Crack, CrackedMesh
 from ngsxfem_contact.geometry import FrontDemand, Sheet
 
 MESH = cube_mesh(0.4)
@@ -101,13 +101,6 @@ def test_a_sheet_in_the_plane_and_a_crack_in_space():
     with pytest.raises(TypeError, match=r"\*sheets"):
         CrackedMesh(MESH, [DISK])
     assert "give at least one sheet" in refused(MESH)
-
-
-def test_spaces_on_a_body_in_space_are_refused_in_words():
-    body = CrackedMesh(MESH, DISK)
-    for space in (CrackFESpace, TraceSpace):
-        with pytest.raises(TypeError, match=f"{space.__name__}: body is a body in space; .* plane bodies only"):
-            space(body)
 
 
 def test_measures_refuse_what_belongs_to_the_other_dimension():

@@ -12,17 +12,28 @@ from ngsxfem_contact._ngsxfem_contact import StressPower
 from ngsxfem_contact.algebra.matrices import mask, to_scipy
 from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.exact.pennies import penny_in_tension, sheared_penny
+from ngsxfem_contact.exact.space_forms import stress_matrix, uniform_stress
 from ngsxfem_contact.exact.straight_fronts import straight_front
 from ngsxfem_contact.geometry import FrontDemand, Sheet
 from ngsxfem_contact.loads.supports import Supports
 from ngsxfem_contact.spaces import FrontEnrichment, Interpolant, Projection, SolidFESpace
 from tests.sheets.exact_sheets import cube_mesh
 
+pytestmark = pytest.mark.filterwarnings("ignore:CrackFESpace. .* nodes around fronts have no modes")
+
 MATERIAL = Elasticity.Solid(E=2.5, nu=0.25)
 COARSE = cube_mesh(0.25)
 EDGE = Sheet.Polygon([(-1, -1, 0.513), (0.47, -1, 0.513), (0.47, 2, 0.513), (-1, 2, 0.513)])
 DISK = Sheet.Disk((0.48, 0.5, 0.513), (0.1, 0.2, 1), 0.3)
 RING = Sheet.Ring((0.5, 0.49, 0.513), (0, 0, 1), 0.12, 0.38)
+
+
+def grid(n):
+    """n × n × n cubes of tetrahedra, all of the boundary with one name."""
+    mesh = MakeStructured3DMesh(hexes=False, nx=n, ny=n, nz=n)
+    for i in range(6):
+        mesh.ngmesh.SetBCName(i, "outer")
+    return mesh
 
 
 def random_function(V, seed=0):
@@ -144,31 +155,33 @@ def test_tension_along_a_sheet_is_exact(front):
 
 @pytest.mark.parametrize("factors", ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
 def test_rates_at_a_straight_front(factors):
-    """H¹ error of each mode: first order with modes within a fixed radius, half an order without; the topological choice lies between."""
-    form = straight_front(MATERIAL, *factors).At((0.47, 0.5, 0.513))
-    bodies = [CrackedMesh(MakeStructured3DMesh(hexes=False, nx=n, ny=n, nz=n), EDGE) for n in (5, 10)]
-    for body in bodies:
-        for i in range(6):
-            body.mesh.ngmesh.SetBCName(i, "outer")
-    kinds = {"radius": FrontEnrichment(radius=0.25), "nodes": FrontEnrichment(), "none": None}
+    """H¹ error of each mode: first order with modes within a fixed radius, half an order without; with those at corners alone the error is smaller."""
+    form = straight_front(MATERIAL, *factors).At((0.385, 0.5, 0.61))
+    sheet = Sheet.Polygon([(-1, -1, 0.61), (0.385, -1, 0.61), (0.385, 2, 0.61), (-1, 2, 0.61)])
+    bodies = [CrackedMesh(grid(n), sheet) for n in (4, 12)]  # the front lies in about the same place of a cell
+    kinds = {"radius": FrontEnrichment(radius=0.35), "corners": FrontEnrichment(), "none": None}
     errors = {
         kind: [gradient_error(CrackFESpace(body, front=front, dirichlet="outer", material=MATERIAL), form) for body in bodies] for kind, front in kinds.items()
     }
-    rates = {kind: np.log2(coarse / fine) for kind, (coarse, fine) in errors.items()}
-    assert 0.85 < rates["radius"] < 1.15 and 0.4 < rates["none"] < 0.75
-    assert errors["radius"][1] < errors["nodes"][1] < 0.7 * errors["none"][1]
+    rates = {kind: np.log(coarse / fine) / np.log(3) for kind, (coarse, fine) in errors.items()}
+    assert 0.85 < rates["radius"] < 1.15 and 0.3 < rates["none"] < 0.65
+    assert errors["radius"][1] < errors["corners"][1] < 0.5 * errors["none"][1]
 
 
-@pytest.mark.parametrize("kind", (penny_in_tension, sheared_penny))
-def test_a_penny(kind):
+SHEARED = sheared_penny(MATERIAL, 0.3) + uniform_stress(MATERIAL, stress_matrix(xz=1))
+
+
+@pytest.mark.parametrize("form", (penny_in_tension(MATERIAL, 0.3), SHEARED), ids=("tension", "shear"))
+def test_a_penny(form):
     """The jump on the disk falls with h, and is better than without modes."""
-    centre, errors = (0.49, 0.51, 0.513), []
-    form = kind(MATERIAL, 0.3).At(centre)
-    for maxh, front in ((0.2, FrontEnrichment()), (0.12, FrontEnrichment()), (0.12, None)):
-        V = CrackFESpace(body := CrackedMesh(cube_mesh(maxh), Sheet.Disk(centre, (0, 0, 1), 0.3)), front=front, dirichlet="outer", material=MATERIAL)
+    form, errors = form.At((0.49, 0.51, 0.513)), []
+    for maxh, front in ((0.13, FrontEnrichment()), (0.1, FrontEnrichment()), (0.1, None)):
+        V = CrackFESpace(
+            body := CrackedMesh(cube_mesh(maxh), Sheet.Disk((0.49, 0.51, 0.513), (0, 0, 1), 0.3)), front=front, dirichlet="outer", material=MATERIAL
+        )
         on = body.dcrack(bonus_intorder=2, fronts=FrontDemand())
         errors.append(relative(Jump(solved(V, form)) - form.opening, form.opening, on, V.mesh))
-    assert errors[1] < 0.18 and errors[1] < 0.75 * errors[0] and errors[1] < 0.5 * errors[2]
+    assert errors[1] < 0.25 and errors[1] < 0.5 * errors[0] and errors[1] < 0.5 * errors[2]
 
 
 def test_interpolation_of_jumps():
@@ -192,20 +205,32 @@ def corners_of(mesh, numbers):
 
 def test_which_nodes_have_modes():
     """Those of the elements around a front and within the radius, not where u is held, beside corners, or between two fronts."""
-    body = CrackedMesh(COARSE, DISK)
+    body = CrackedMesh(mesh := cube_mesh(0.12), DISK)
     nodes = lambda **arguments: {vertex for vertex, _ in CrackFESpace(body, material=MATERIAL, **arguments).front_nodes}
-    around, outer = corners_of(COARSE, body.FrontElements(0)), {v.nr for el in COARSE.Elements(BND) for v in el.vertices}
-    near = {v.nr for v in COARSE.vertices if body.fronts[0].Distance(v.point) < 0.3}
-    alone = nodes(front=FrontEnrichment(radius=0.3))
-    assert nodes() == around and nodes(dirichlet="outer") == around - outer and nodes(front=None) == set()
+    around = corners_of(mesh, body.FrontElements(0))
+    near = {v.nr for v in mesh.vertices if body.fronts[0].Distance(v.point) < 0.12}
+    alone = nodes(front=FrontEnrichment(radius=0.12))
+    assert nodes() == around and nodes(front=None) == set()
     assert around < alone <= around | near
     square = Sheet.Polygon([(0.2, 0.2, 0.51), (0.8, 0.2, 0.51), (0.8, 0.8, 0.51), (0.2, 0.8, 0.51)])
-    V = CrackFESpace(CrackedMesh(cube_mesh(0.1), square), material=MATERIAL)
+    V = CrackFESpace(CrackedMesh(grid(9), square), material=MATERIAL)
     places = np.array([V.mesh.vertices[vertex].point for vertex, _ in V.front_nodes])
     corners = np.array([(a, b, 0.51) for a in (0.2, 0.8) for b in (0.2, 0.8)])
-    assert V.num_left_out > 4 and len(places) > 40 and np.linalg.norm(places[:, None] - corners, axis=2).min() > 0.05
-    V = CrackFESpace(CrackedMesh(COARSE, RING), material=MATERIAL)
-    assert V.num_left_out > 0 and {front for _, front in V.front_nodes} == {0, 1}
+    assert V.num_left_out > 4 and len(places) > 20 and np.linalg.norm(places[:, None] - corners, axis=2).min() > 0.05
+    with pytest.warns(AccuracyWarning, match="nodes around fronts have no modes, and the crack is held together there"):
+        V = CrackFESpace(CrackedMesh(COARSE, RING), material=MATERIAL)
+    assert V.num_left_out > 0 and {front for _, front in CrackFESpace(CrackedMesh(cube_mesh(0.08), RING), material=MATERIAL).front_nodes} == {0, 1}
+
+
+def test_nodes_where_u_is_held():
+    """Modes are fixed with the rest where all components are held; where some are held there are none."""
+    body, mesh = CrackedMesh(mesh := grid(4), EDGE), mesh
+    of_front = lambda V: {vertex for vertex, _ in V.front_nodes}
+    outer = {v.nr for el in mesh.Elements(BND) for v in el.vertices}
+    free, held, roller = (CrackFESpace(body, material=MATERIAL, **where) for where in ({}, dict(dirichlet="outer"), dict(dirichletz="outer")))
+    assert of_front(free) == of_front(held) and of_front(held) & outer and of_front(roller) == of_front(free) - outer
+    fixed = {vertex for j, (vertex, _) in enumerate(held.front_nodes) if not mask(held.FreeDofs())[held.FrontDof(j, 1)]}
+    assert fixed == of_front(held) & outer
 
 
 def test_supports_of_sheets():
@@ -231,7 +256,7 @@ def test_a_space_is_saved():
     V = CrackFESpace(CrackedMesh(COARSE, DISK), dirichlet="outer", material=MATERIAL)
     again = pickle.loads(pickle.dumps(V))
     assert type(V) is type(again) is SolidFESpace and again.ndof == V.ndof and again.front_nodes == V.front_nodes and again.material == MATERIAL
-    assert again.front_spec.materials == V.front_spec.materials == [(2.0, 1.0)] and "69 modes" not in repr(V) and "around 1 front" in repr(V)
+    assert again.front_spec.materials == V.front_spec.materials == [(2.0, 1.0)] and "around 1 front" in repr(V)
 
 
 def test_the_material_of_the_modes():

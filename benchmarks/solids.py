@@ -1,0 +1,149 @@
+"""Cracks in space: rates at a straight front, pennies that open, close and slide, a partially closed crack, stability for planes in any position.
+
+    python benchmarks/solids.py [fronts] [pennies] [partial] [planes] [--number 100]
+
+fronts: the H¹ error of K_I, K_II, K_III = 1 along a straight front in n³ cubes. pennies: a disk of radius a = 0.3 in the unit cube whose mesh is refined around it.
+partial: a plane crack that is open for ρ < 0.3. planes: the eigenvalues of the multipliers' Schur complement for random planes through the cube.
+"""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from ngsolve import CF, Grad, InnerProduct, Integrate, SetNumThreads, sqrt
+from results import recorded
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[1] / "tests" / "sheets")]
+
+from exact_sheets import cube_mesh  # noqa: E402
+from ngsolve.meshes import MakeStructured3DMesh  # noqa: E402
+
+from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, Elasticity, Jump, TraceSpace  # noqa: E402
+from ngsxfem_contact.contact.solver import ReducedProblem  # noqa: E402
+from ngsxfem_contact.exact.pennies import closed_penny, partially_closed, penny_in_tension  # noqa: E402
+from ngsxfem_contact.exact.straight_fronts import straight_front  # noqa: E402
+from ngsxfem_contact.geometry import FrontDemand, Sheet  # noqa: E402
+from ngsxfem_contact.spaces import FrontEnrichment  # noqa: E402
+
+CASES = ("fronts", "pennies", "partial", "planes")
+MATERIAL = Elasticity.Solid(E=2.5, nu=0.25)
+CENTRE, RADIUS = (0.49, 0.51, 0.513), 0.3
+
+
+def relative(error, whole, measure, mesh):
+    return sqrt(Integrate(InnerProduct(error, error) * measure, mesh) / Integrate(InnerProduct(whole, whole) * measure, mesh))
+
+
+def solved(body, form, front, order=1, **arguments):
+    V = CrackFESpace(body, order=order, dirichlet="outer", front=front, material=MATERIAL)
+    problem = ContactProblem(V, TraceSpace(body), **arguments)
+    problem.SetDirichlet(form.u, "outer")
+    return problem.Solve()
+
+
+def fronts(number):
+    """The front lies in about the same place of a cell of all grids."""
+    sheet = Sheet.Polygon([(-1, -1, 0.61), (0.385, -1, 0.61), (0.385, 2, 0.61), (-1, 2, 0.61)])
+    bodies = []
+    for n in (4, 12):
+        mesh = MakeStructured3DMesh(hexes=False, nx=n, ny=n, nz=n)
+        for i in range(6):
+            mesh.ngmesh.SetBCName(i, "outer")
+        bodies.append(CrackedMesh(mesh, sheet))
+    print(f"{'K':>4}  {'modes':24}{'n = 4':>8}{'n = 12':>8}{'order':>8}")
+    for mode, factors in zip(("I", "II", "III"), np.eye(3)):
+        form = straight_front(MATERIAL, *factors).At((0.385, 0.5, 0.61))
+        for name, front in (("none", None), ("at front elements", FrontEnrichment()), ("for r < 0.35", FrontEnrichment(radius=0.35))):
+            errors = []
+            for body in bodies:
+                u = solved(body, form, front).u
+                errors.append(relative(Grad(u) - form.gradient, form.gradient, body.dx(bonus_intorder=2, fronts=FrontDemand()), body.mesh))
+            print(f"{mode:>4}  {name:24}{errors[0]:8.3f}{errors[1]:8.3f}{np.log(errors[0] / errors[1]) / np.log(3):8.2f}")
+
+
+def refined(maxh, times):
+    """The body whose mesh is bisected around the disk, and the mean edge of the elements that the disk cuts."""
+    mesh, disk = cube_mesh(maxh), Sheet.Disk(CENTRE, (0, 0, 1), RADIUS)
+    for _ in range(times):
+        points = np.array([v.point for v in mesh.vertices]) - CENTRE
+        r = np.hypot(np.maximum(np.hypot(points[:, 0], points[:, 1]) - RADIUS, 0), points[:, 2])
+        near = r < 0.4 * RADIUS
+        for element in mesh.Elements():
+            mesh.SetRefinementFlag(element, bool(any(near[v.nr] for v in element.vertices)))
+        mesh.Refine()
+    body = CrackedMesh(mesh, disk)
+    points = np.array([v.point for v in mesh.vertices])
+    at = np.unique([cell.element for cell in body.Elements(0)])
+    elements = list(mesh.Elements())
+    edges = [np.linalg.norm(points[e.vertices[i].nr] - points[e.vertices[j].nr]) for e in (elements[k] for k in at) for i in range(4) for j in range(i)]
+    return body, float(np.mean(edges))
+
+
+def pennies(number):
+    forms = {
+        "open": (penny_in_tension(MATERIAL, RADIUS), None),
+        "closed, frictionless": (closed_penny(MATERIAL, RADIUS, 1.0, 0.8), None),
+        "closed, Coulomb 0.3": (closed_penny(MATERIAL, RADIUS, 1.0, 0.8, 0.3), Coulomb(0.3)),
+    }
+    print(f"{'penny':22}{'modes':>12}{'h/a':>6}{'N':>8}{'m':>6}{'jump L2':>9}{'mean jump':>11}{'λ L2':>7}{'steps':>7}{'s':>6}")
+    for maxh, times in ((0.1, 0), (0.2, 2), (0.13, 2)):
+        body, h = refined(maxh, times)
+        around = body.dcrack(bonus_intorder=2, fronts=FrontDemand())
+        for kind, (form, law) in forms.items():
+            form = form.At(CENTRE)
+            for name, front in (("at front", FrontEnrichment()), ("r < 1.7 h", FrontEnrichment(radius=1.7 * h))):
+                start = time.perf_counter()
+                solution = solved(body, form, front, law=law)
+                seconds, jump = time.perf_counter() - start, Jump(solution.u)
+                along = 2 if kind == "open" else 0
+                mean = Integrate(jump[along] * around, body.mesh) / Integrate(form.opening[along] * around, body.mesh)
+                error = relative(jump - form.opening, form.opening, around, body.mesh)
+                pressure = "" if kind == "open" else f"{relative(solution.multiplier + 1, CF(1.0), body.dcrack, body.mesh):.3f}"
+                V, m = solution.problem.V, len(solution.state.L)
+                print(
+                    f"{kind:22}{name:>12}{h / RADIUS:6.2f}{V.ndof:8}{m:6}{error:9.3f}{mean:11.3f}{pressure:>7}{solution.report.iterations:7}{seconds:6.1f}",
+                    flush=True,
+                )
+
+
+def partial(number):
+    form = partially_closed(MATERIAL, RADIUS).At(CENTRE)
+    z = CENTRE[2]
+    print(f"{'maxh':>5}{'N':>8}{'m':>6}{'λ L2':>8}{'radius':>8}{'steps':>7}")
+    for maxh in (0.22, 0.15, 0.11, 0.08):
+        body = CrackedMesh(cube_mesh(maxh), Sheet.Polygon([(-1, -1, z), (2, -1, z), (2, 2, z), (-1, 2, z)]))
+        solution = solved(body, form, None)
+        error = relative(solution.multiplier - form.pressure, form.pressure, body.dcrack(bonus_intorder=2), body.mesh)
+        radius = np.sqrt((1 - solution.ContactArea()) / np.pi)
+        print(f"{maxh:5}{solution.problem.V.ndof:8}{len(solution.state.L):6}{error:8.3f}{radius:8.3f}{solution.report.iterations:7}", flush=True)
+
+
+def planes(number):
+    rng, meshes = np.random.default_rng(5), [cube_mesh(0.35), cube_mesh(0.25)]
+    least, largest = np.inf, 0.0
+    for i in range(number):
+        normal = rng.normal(size=3)
+        origin, axes = rng.uniform(0.3, 0.7, 3), np.linalg.svd(normal[None])[2][1:]
+        body = CrackedMesh(meshes[i % 2], Sheet.Polygon([origin + 3 * (a * axes[0] + b * axes[1]) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]))
+        problem = ContactProblem(CrackFESpace(body, dirichlet="outer", material=MATERIAL), TraceSpace(body))
+        S = ReducedProblem(problem).S
+        scale = 1 / np.sqrt(np.diag(S))
+        values = np.linalg.eigvalsh(S * scale * scale[:, None])
+        least, largest = min(least, values[0]), max(largest, values[-1] / values[0])
+    print(f"{number} random planes: smallest eigenvalue of S with unit diagonal {least:.3g}, largest condition number {largest:.3g}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="*", default=CASES)
+    parser.add_argument("--number", type=int, default=100)
+    arguments = parser.parse_args()
+    SetNumThreads(1)
+    for case in arguments.cases:
+        globals()[case](arguments.number)
+
+
+if __name__ == "__main__":
+    recorded(main)

@@ -1,0 +1,92 @@
+"""Friction on sheets in space: Tresca's and Coulomb's laws with the tangential multiplier in a disk (docs/method.md, section 14)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..algebra.active_set import solve_equalities
+from ..algebra.disk_newton import DiskProblem, solve_disks
+from ..operators import FIRST_TANGENTIAL, NORMAL, SECOND_TANGENTIAL
+from .faces import FaceWork
+from .friction import first_contact
+
+if TYPE_CHECKING:
+    from .faces import Faces, Scales
+    from .friction import Friction
+    from .report import Report
+
+
+@dataclass(frozen=True)
+class DiskFriction:
+    """|λ_t| ≤ s, λ_t ∈ R², the slip in the direction of λ_t where they are equal; s is that of a law of the plane.
+
+    Parameters
+    ----------
+    law
+        Tresca or Coulomb.
+    """
+
+    law: Friction
+
+    components = (NORMAL, FIRST_TANGENTIAL, SECOND_TANGENTIAL)
+    depends_on_path = True
+
+    def __repr__(self) -> str:
+        return repr(self.law)
+
+    @property
+    def follows_pressure(self) -> bool:
+        """Whether the threshold does."""
+        return getattr(self.law, "follows_pressure", False)
+
+    def Solve(self, Q: np.ndarray, q: np.ndarray, faces: Faces, start: np.ndarray | None, report: Report, max_iterations: int) -> np.ndarray:
+        """p = (p_n, p_1, p_2); books its iterations in the report."""
+        n, threshold = len(faces.nodes), self.law.Threshold(faces.nodes, faces.cone)
+        contact = np.array(first_contact(Q, q, faces, start, report), dtype=bool)
+        if contact.shape != (n,):
+            raise ValueError(f"start has {contact.size} entries, there are {n} nodal signs; give one boolean for each, or a ContactSolution")
+        q = slip_since(q, faces)
+        p = np.zeros((3, n))
+        p[0] = np.minimum(solve_equalities(Q[:n, :n], q[:n], contact)[0], 0)
+        result = solve_disks(DiskProblem(Q, q, threshold), p, max_iterations)
+        report.iterations, report.active, report.method = len(result.contact), result.contact, result.method
+        report.threshold_changes = result.threshold_changes
+        contact, slip = result.contact[-1], result.slip
+        fractions = {"open": ~contact, "stick": contact & ~slip, "slip": contact & slip}
+        report.states = {name: float(nodes.mean()) if n else 0.0 for name, nodes in fractions.items()}
+        return result.p.ravel()
+
+    def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
+        """None."""
+        return {}
+
+    def Work(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> FaceWork:
+        """∫λ_t·Δg_t of a step is dissipated, see Friction.Work."""
+        traction, moved = p.reshape(3, -1), slip_since(w, faces).reshape(3, -1)
+        threshold, before = self.law.Threshold(faces.nodes, faces.cone), faces.history
+        p_before = np.zeros_like(traction[0]) if before is None else before.traction[0] * faces.traction_weights
+        s = threshold.At(traction[0], traction[0] < 0)
+        s_before = threshold.At(p_before, traction[0] < 0 if before is None else p_before < 0)
+        end = -(traction[1:] * moved[1:]).sum(axis=0)
+        change = 0.5 * end * (np.divide(s_before, s, out=np.ones_like(s), where=s > 0) - 1)
+        return FaceWork(float(end.sum() + (0 if before is None else change.sum())), float(np.abs(change).sum()))
+
+    def Violation(self, p: np.ndarray, w: np.ndarray, faces: Faces, scales: Scales) -> float:
+        """The largest residual of the projections, for p and w in units of their scales."""
+        traction, moved = (p / scales.traction).reshape(3, -1), (slip_since(w, faces) / scales.moments).reshape(3, -1)
+        s = self.law.Threshold(faces.nodes, faces.cone).Scaled(scales.traction).At(traction[0], traction[0] < 0)
+        y = traction - moved
+        projected = s / np.maximum(np.maximum(s, np.linalg.norm(y[1:], axis=0)), np.finfo(float).tiny) * y[1:]
+        return float(max(np.abs(traction[0] - np.minimum(0, y[0])).max(initial=0), np.abs(traction[1:] - projected).max(initial=0)))
+
+
+def slip_since(w: np.ndarray, faces: Faces) -> np.ndarray:
+    """w with the slip since the last load step in place of the whole slip; of q the same."""
+    if faces.history is None:
+        return w
+    w = w.copy()
+    w[len(faces.nodes) :] += (faces.jump_weights * faces.history.jump[1:]).ravel()
+    return w
