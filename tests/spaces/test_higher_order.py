@@ -36,7 +36,7 @@ def test_a_function_keeps_its_values(name, order, bubble):
 def test_on_a_refined_mesh():
     """Whose numbers of edges have gaps."""
     mesh = rectangle(0.4)
-    for level in range(3):
+    for _ in range(3):
         mesh.SetRefinementFlags([i % 3 == 0 for i in range(mesh.ne)])
         mesh.Refine()
     V = CrackFESpace(CrackedMesh(mesh, *CRACKS["kinked"]), order=2, material=MATERIAL)
