@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve import Mesh
 
 from ..algebra.matrices import mask
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 TOO_COARSE = "too coarse for the cracks"
+REFUSALS = 4  # levels that are refined everywhere because the mesh was refused
 FALLS = 6  # levels after which the error must be less than before
 
 
@@ -247,10 +249,8 @@ class Refinement:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", AccuracyWarning)  # of what is refined next
                 problem = self.make_problem(self.mesh)
-        except SolveError:
-            raise
-        except Exception as refusal:  # of the core: an end that the mesh does not separate from the boundary, a disk without room
-            if self.found is not None or row.level >= self.max_levels - 1:
+        except (NgException, ValueError) as refusal:  # an end that the mesh does not separate from the boundary, a disk without room
+            if self.found is not None or row.level >= min(REFUSALS, self.max_levels - 1):
                 raise
             row.state = f"refined everywhere: {refusal}"
             return np.ones(self.mesh.ne, dtype=bool), row

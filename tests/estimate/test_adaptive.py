@@ -39,6 +39,10 @@ def loaded(crack, order=2, traction=(0, 1)):
     return make_problem
 
 
+def refusing(mesh):
+    raise ValueError("of my own")
+
+
 def test_a_crack_shorter_than_a_triangle(tmp_path):
     """An eighth of an edge at first: K within the tolerance and the bar, no warning; the mesh that was given stays as it is."""
     make_problem, plate = plate_with(0.02)
@@ -98,6 +102,8 @@ def test_what_ends_it():
     ):
         with pytest.raises(error, match="SolveAdaptive"):
             SolveAdaptive(make_problem, mesh, **arguments)
+    with pytest.raises(ValueError, match="of my own"):
+        SolveAdaptive(refusing, mesh)
     with pytest.raises(TypeError, match="not a function of a mesh"):
         SolveAdaptive(None, mesh)
     with pytest.raises(TypeError, match="must return a ContactProblem"):
