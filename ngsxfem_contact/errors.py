@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 
-__all__ = ["AccuracyWarning", "NotCoercive", "NotConverged", "NotSaved", "SingularSystem", "SolveError"]
+__all__ = ["AccuracyWarning", "NotCoercive", "NotConverged", "NotSaved", "SingularSystem", "SolveError", "TooCoarse"]
 
 
 class SolveError(RuntimeError):
@@ -33,6 +33,24 @@ class NotCoercive(SolveError):
 
 class NotSaved(TypeError):
     """A part of a problem cannot be saved; the message says which, and why. Nothing was written."""
+
+
+class TooCoarse(ValueError):
+    """The mesh is too coarse around a point for what is asked.
+
+    Parameters
+    ----------
+    message : str
+        What is asked, and where.
+    point : (x, y)
+        The place.
+    radius : float
+        How far around it.
+    """
+
+    def __init__(self, message: str, point: tuple[float, float], radius: float) -> None:
+        super().__init__(message)
+        self.point, self.radius = point, radius
 
 
 class AccuracyWarning(UserWarning):

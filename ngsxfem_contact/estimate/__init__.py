@@ -1,8 +1,9 @@
-"""How far a solution is off, and where: in the energy norm, and for quantities."""
+"""How far a solution is off, and where: in the energy norm, and for quantities; and what to refine until it is near enough."""
 
+from .adaptive import AdaptiveSolution, SolveAdaptive
 from .contact_edge import ContactEdge
 from .error_estimate import ErrorEstimate
 from .goal_estimate import GoalEstimate
 from .goals import ContactForce, Displacement, StressIntensityFactor
 
-__all__ = ["ErrorEstimate", "GoalEstimate", "StressIntensityFactor", "ContactForce", "ContactEdge", "Displacement"]
+__all__ = ["SolveAdaptive", "AdaptiveSolution", "ErrorEstimate", "GoalEstimate", "StressIntensityFactor", "ContactForce", "ContactEdge", "Displacement"]

@@ -10,6 +10,8 @@ from ngsolve import GridFunction, IfPos, Integrate
 from scipy.special import beta
 
 from ..arguments import crack_number
+from ..errors import TooCoarse
+from ..points import place
 from ..spaces.trace_space import TraceSpace
 from .goals import BONUS, moments
 
@@ -36,6 +38,7 @@ class Window:
     length: float
     weights: list[CoefficientFunction]
     crack: int
+    point: tuple[float, float]
 
     def Edge(self, M: np.ndarray) -> tuple[float, np.ndarray]:
         """(s, ∂s/∂M): n_0 M_0 τ² + n_1 M_1 τ + n_2 M_2 = 0 with τ = t/length, the root next to 1."""
@@ -43,7 +46,11 @@ class Window:
         roots = np.roots([a, b, c])
         real = roots[np.abs(roots.imag) < 1e-9 * np.abs(roots)].real
         if not len(real):
-            raise ValueError("ContactEdge: the pressure does not fall like a square root towards the end of contact; refine there")
+            raise TooCoarse(
+                f"ContactEdge: the pressure does not fall like a square root towards the end of contact at {place(self.point)}; refine there",
+                self.point,
+                self.length,
+            )
         tau = float(real[np.argmin(np.abs(real - 1))])
         slope = -ORTHOGONAL * np.array([tau**2, tau, 1]) / (2 * a * tau + b)
         return self.start + self.direction * self.length * tau, self.direction * self.length * slope
@@ -87,7 +94,14 @@ class ContactEdge:
         further = sorted(d for d in ahead if d > 0)[:BEYOND]
         sigma = direction * (arclength - (edge - direction * length))
         inside = IfPos(sigma, IfPos(length + (further[-1] if further else 0) * (1 + 1e-9) - sigma, 1, 0), 0)
-        return Window(edge - direction * length, direction, length, [inside * (sigma / length) ** k if k else inside for k in range(3)], crack)
+        return Window(
+            edge - direction * length,
+            direction,
+            length,
+            [inside * (sigma / length) ** k if k else inside for k in range(3)],
+            crack,
+            body.cracks[crack].PointAt(edge),
+        )
 
     def _moments(self, solution: ContactSolution, window: Window) -> np.ndarray:
         measure = solution.problem.W.dcrack(crack=window.crack, bonus_intorder=BONUS)

@@ -6,16 +6,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import IfPos, Integrate, LinearForm
+from ngsolve import CF, IfPos, InnerProduct, Integrate, LinearForm
 
 from ..arguments import check_item, check_regions, crack_number
 from ..fracture.stress_intensity import disks, follows_pressure, is_closed, material_at, pressures
 from ..fracture.tip_fields import SIDE, TipFrame
-from ..fracture.tip_integral import TipField, TipIntegral, auxiliary_field, mode_fields
+from ..fracture.tip_integral import TipField, TipIntegral, auxiliary_field, mode_fields, symmetric
+from ..loads.terms import unit_matrices
 from ..operators import NORMAL, Gradient
-from ..spaces.incompressible import stress
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from ngsolve import CoefficientFunction
 
     from .._ngsxfem_contact import CrackFESpace
@@ -42,7 +44,7 @@ class StressIntensityFactor:
     tip : int
         A number in `body.tips`.
     radius : float
-        Of the domain, as for StressIntensity.
+        Of the domain of the interaction integral, a length; default as large as there is room, whatever the mesh.
     """
 
     name: str
@@ -58,7 +60,12 @@ class StressIntensityFactor:
 
     def Value(self, solution: ContactSolution) -> float:
         """K in stress × √length."""
-        return float(getattr(solution.StressIntensity(self.tip, radius=self.radius), self.name))
+        check_item(self.tip, solution.body.tips, "tip", "body.tips")
+        return float(getattr(solution.StressIntensity(self.tip, radius=self._radius(solution)), self.name))
+
+    def _radius(self, solution: ContactSolution) -> float:
+        obstacles = solution.load.Obstacles(solution.body.tips[self.tip].point) + solution.a.Obstacles(solution.body.tips[self.tip].point)
+        return self.radius or 0.9 * TipFrame(solution.body, self.tip).Clearance(solution.problem.material, obstacles)[0]
 
     def _integral(self, solution: ContactSolution) -> tuple[TipIntegral, TipField, float]:
         frame, material = TipFrame(solution.body, self.tip), material_at(solution, self.tip)
@@ -66,7 +73,7 @@ class StressIntensityFactor:
         mode = auxiliary_field(
             frame, material, {side: gradient.Compile() for side, gradient in mode.gradient.items()}
         )  # evaluated for each function of a space
-        integral = TipIntegral(solution.problem, frame, disks(frame, solution, self.radius)[0])
+        integral = TipIntegral(solution.problem, frame, disks(frame, solution, self._radius(solution))[0])
         integral.q, integral.grad_q = integral.q.Compile(), integral.grad_q.Compile()
         return integral, mode, 0.5 * material.E_prime
 
@@ -76,20 +83,29 @@ class StressIntensityFactor:
 
     def OfDisplacement(self, solution: ContactSolution, space: CrackFESpace) -> np.ndarray:
         """∂K/∂u for the functions of a space."""
-        check_item(self.tip, solution.body.tips, "tip", "body.tips")
         if self._is_zero(solution):
             return np.zeros(space.ndof)
         integral, mode, scale = self._integral(solution)
-        v, body, material = space.TestFunction(), solution.body, solution.problem.material
-        sides = (None, *SIDE)
-        field = TipField({s: Gradient(v, s) for s in sides}, {s: stress(material, v, s) for s in sides}, {})
-        mean = sum(0.5 * NORMAL.traction(field.stress[s], body) for s in SIDE)
-        touching, bent = self._touching(solution), integral.frame.crack.CurvatureAt(integral.frame.tip.s) != 0
-        direction = body.normal if not follows_pressure(solution) else body.normal + ratio(solution) * body.tangent
-        field.traction = dict.fromkeys(SIDE, 0 * mean * body.normal if bent else 0.5 * touching * mean * direction)
-        disk = body.dx(definedonelements=integral.elements, bonus_intorder=BONUS, space=space)
-        form = LinearForm(integral.VolumeDensity(field, mode) * disk + integral.q * integral.LipDensity(field, mode) * self._lips(solution, space))
+        v, body = space.TestFunction(), solution.body
+        matrix = lambda densities: CF(tuple(densities), dims=(2, 2)).Compile()
+        inside = matrix(integral.VolumeDensity(self._unit(solution, integral, unit, SIDE), mode) for unit in unit_matrices())
+        disk = body.dx(definedonelements=integral.elements, space=space)  # of twice the order of the space
+        form = LinearForm(InnerProduct(inside, Gradient(v)) * disk)
+        for side in SIDE:
+            lip = matrix(integral.q * integral.LipDensity(self._unit(solution, integral, unit, [side]), mode) for unit in unit_matrices())
+            form += InnerProduct(lip, Gradient(v, side)) * self._lips(solution, space)
         return scale * form.Assemble().vec.FV().NumPy()
+
+    def _unit(self, solution: ContactSolution, integral: TipIntegral, gradient: CoefficientFunction, sides: Iterable[str]) -> TipField:
+        """The field of a constant gradient, on the lips on some sides only, with what it changes of the traction of closed lips: half of its mean, and friction with it."""
+        gradients: dict[str | None, CoefficientFunction] = {None: gradient, **{side: gradient if side in sides else 0 * gradient for side in SIDE}}
+        stresses = {side: solution.problem.material.Stress(symmetric(g)) for side, g in gradients.items()}
+        mean = sum(0.5 * NORMAL.traction(stresses[side], solution.body) for side in SIDE)
+        share = 0.5 * self._touching(solution) * (integral.frame.crack.CurvatureAt(integral.frame.tip.s) == 0)
+        direction = solution.body.normal
+        if follows_pressure(solution):
+            direction = direction + ratio(solution) * solution.body.tangent
+        return TipField(gradients, stresses, dict.fromkeys(SIDE, share * mean * direction))
 
     def _lips(self, solution: ContactSolution, space: CrackFESpace) -> object:
         return solution.problem.W.dcrack(crack=solution.body.tips[self.tip].crack, bonus_intorder=BONUS, space=space)

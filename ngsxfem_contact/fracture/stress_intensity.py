@@ -16,6 +16,7 @@ from ngsolve import CF, H1, L2, GridFunction, IfPos, InnerProduct, Integrate, gr
 
 from .. import _ngsxfem_contact as core
 from ..arguments import check_item, check_number, check_whole
+from ..errors import TooCoarse
 from ..operators import NORMAL, TANGENTIAL, Gradient, NormalGap, NormalStress, Slip
 from ..points import crack_points
 from ..spaces.unknowns import Unknowns
@@ -193,9 +194,11 @@ def disks(frame: TipFrame, solution: ContactSolution, radius: float | None) -> t
     if not radius < room:
         raise ValueError(f"the domain of radius {radius:.4g} at the tip {frame.tip.point} meets {limit} at the distance {room:.4g}; choose a smaller radius")
     if radius < 2 * frame.h:
-        raise ValueError(
+        raise TooCoarse(
             f"the domain of radius {radius:.4g} at the tip {frame.tip.point} has less than two elements (h = {frame.h:.4g}) in its radius; "
-            f"{limit} is at the distance {room:.4g}: refine the mesh there"
+            f"{limit} is at the distance {room:.4g}: refine the mesh there",
+            frame.tip.point,
+            0.5 * radius,
         )
     return tuple(part * radius for part in RADII)
 

@@ -77,6 +77,8 @@ def polynomial_numbers(S: FESpace, T: FESpace) -> np.ndarray:
     numbers[: mesh.nv] = np.arange(mesh.nv)
     for kind, count in ((EDGE, mesh.nedge), (CELL, mesh.ne)):
         ours, theirs = (blocks(space, kind, count) for space in (S, T))
+        if not ours.size:
+            continue
         both = range(ours.shape[1]) if kind == EDGE else among_cell_functions(ours.shape[1], theirs.shape[1])
         numbers[ours] = theirs[:, list(both)]
     return numbers

@@ -12,7 +12,7 @@ from ..points import place
 from .tip_disk import largest_disk
 
 if TYPE_CHECKING:
-    from .._ngsxfem_contact import CrackedMesh, Tip, TipSpec
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, Tip, TipSpec
     from ..material import Isotropic
 
 CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
@@ -66,6 +66,21 @@ def warn_of_small_disk(body: CrackedMesh, tip: Tip, spec: TipSpec | None, materi
         f"the tip at {place(tip.point)}: {why} leaves it {radius / size:.2g} elements of room; with less than {least} "
         f"the fields at the tip and K are wrong by several percent or more, and reported errors may not show it; {remedy}"
     )
+
+
+def coarse_elements(V: CrackFESpace) -> np.ndarray:
+    """The triangles that are larger than what a space is not warned of: those of short cracks, and those at tips whose functions have little room."""
+    body, found = V.body, [np.zeros(0, dtype=int)]
+    for number, crack in enumerate(body.cracks):
+        tips, elements = sum(tip.crack == number for tip in body.tips), np.array([at.element for at in body.Elements(number)])
+        sizes = element_sizes(body, elements)
+        if crack.length < CRACK * tips * np.median(sizes):
+            found.append(elements[sizes > crack.length / (CRACK * tips + 1)])
+    for tip, spec in zip(body.tips, V.tip_specs):
+        if spec is not None and spec.r1 < DISK * size_at(body, tip):
+            elements = np.array([at.element for at in body.Elements(tip.crack)])
+            found.append(elements[element_sizes(body, elements) > spec.r1 / DISK])
+    return np.unique(np.concatenate(found))
 
 
 def warn_of_short_increment(body: CrackedMesh, tip: Tip, advance: float) -> bool:

@@ -33,13 +33,14 @@ def test_a_function_keeps_its_values(name, order, bubble):
     assert np.array_equal(higher.Restricted(higher.Prolonged(u.vec.FV().NumPy())), u.vec.FV().NumPy())
 
 
-def test_on_a_refined_mesh():
+@pytest.mark.parametrize("order", [1, 2])
+def test_on_a_refined_mesh(order):
     """Whose numbers of edges have gaps."""
     mesh = rectangle(0.4)
     for _level in range(3):
         mesh.SetRefinementFlags([i % 3 == 0 for i in range(mesh.ne)])
         mesh.Refine()
-    V = CrackFESpace(CrackedMesh(mesh, *CRACKS["kinked"]), order=2, material=MATERIAL)
+    V = CrackFESpace(CrackedMesh(mesh, *CRACKS["kinked"]), order=order, material=MATERIAL)
     higher, u = HigherOrder(V), random_function(V)
     w = GridFunction(higher.space)
     w.vec.FV().NumPy()[:] = higher.Prolonged(u.vec.FV().NumPy())
