@@ -18,6 +18,7 @@ from .space_forms import SpaceForm, stress_matrix, uniform_stress
 if TYPE_CHECKING:
     from ..material import Isotropic
 
+TINY = 1e-300  # what else would be 0/0 in the branch that is not taken
 STEPS = 7  # of the iterations for ζ and of Carlson's for R_D, each to round-off
 
 
@@ -34,22 +35,23 @@ def confocal(x: Any, y: Any, z: Any, a: float, b: float, side: int = 0) -> tuple
 
 
 def _confocal_values(x: Any, y: Any, z: Any, a: float, b: float, side: int) -> tuple[Any, Any]:
-    """Newton's method on Λ - |x|² + a²x²/(a²+Λ) + b²y²/(b²+Λ) = z² c(Λ), convex, from the root of the circle of radius b, which is larger."""
-    circle = lambda r: 0.5 * (root((x * x + y * y + z * z - r * r) ** 2 + 4 * r * r * z * z) + (x * x + y * y + z * z - r * r))
+    """From Λ = ζ², the larger root of Λ (q + Λ m(Λ)) = z²: exact for a circle; else with m fixed, then by Newton's method on this convex function of Λ."""
+    square = x * x + y * y + z * z - b * b
     q = 1 - x * x / (a * a) - y * y / (b * b)
-    slope = lambda L: x * x / (a * a * (a * a + L)) + y * y / (b * b * (b * b + L))  # 1 - z²/Λ = q + Λ slope(Λ)
-    L = circle(b)
+    m = lambda L: x * x / (a * a * (a * a + L)) + y * y / (b * b * (b * b + L))
+    L = 0.5 * (root(square * square + 4 * b * b * z * z) + square)  # of the circle of radius b
     if a != b:
         for _ in range(3):
-            L = _larger_root(q, slope(L), z)
+            L = _larger_root(q, m(L), z)
         for _ in range(STEPS):
-            m, first, second = slope(L), x / (a * a + L), y / (b * b + L)
-            L = L - (L * (q + L * m) - z * z) / (q + L * m + L * (first * first + second * second) + 1e-300)
-            L = choose(L, L, 0 * L)
-    w = root(_positive(q + _larger_root(q, slope(L), z) * slope(L)))
-    zeta = choose(q, choose(z, z, -z) / (w + 1e-300), root(_larger_root(q, slope(L), z)))
+            first, second = x / (a * a + L), y / (b * b + L)
+            L = _positive(L - (L * (q + L * m(L)) - z * z) / (q + L * m(L) + L * (first * first + second * second) + TINY))
+    L = _larger_root(q, m(L), z)  # without cancellation
+    height = choose(z, z, -z)
+    w = root(_positive(q + L * m(L)))
+    zeta = choose(q, height / (w + TINY), root(L))
     sign = side if side else choose(-z, -1.0, 1.0)
-    return zeta, sign * choose(q, w, choose(z, z, -z) / (zeta + 1e-300))
+    return zeta, sign * choose(q, w, height / (zeta + TINY))
 
 
 def _positive(f: Any) -> Any:
@@ -57,9 +59,9 @@ def _positive(f: Any) -> Any:
 
 
 def _larger_root(q: Any, m: Any, z: Any) -> Any:
-    """Of Λ (q + m Λ) = z², without cancellation."""
+    """Of Λ (q + m Λ) = z²."""
     s = root(q * q + 4 * m * z * z)
-    return choose(q, 2 * z * z / (q + s + 1e-300), 0.5 * (s - q) / (m + 1e-300))
+    return choose(q, 2 * z * z / (q + s + TINY), 0.5 * (s - q) / (m + TINY))
 
 
 def carlson_rd(x: Any, y: Any, z: Any) -> Any:
@@ -93,6 +95,8 @@ def _attraction(zeta: Any, a: float, b: float) -> Any:
 
 def ellipse(material: Isotropic, a: float, b: float, p: float = 1) -> SpaceForm:
     """(3h): x²/a² + y²/b² ≤ 1 under the pressure p on its faces, b ≤ a.  K_I = p √(πb)/E(k) (sin² t + (b/a)² cos² t)^{1/4} at x = a cos t (Irwin)."""
+    if not 0.05 * a <= b <= a:
+        raise ValueError(f"ellipse: the half axes a={a}, b={b} must fulfil a/20 ≤ b ≤ a; turn the ellipse by axes")
     mu, nu, E = material.mu, material.nu, float(ellipe(1 - b * b / (a * a)))
     C = a * b * b * p / (4 * E)
 

@@ -117,7 +117,7 @@ def test_the_circle_is_an_ellipse():
     assert np.abs(first.DisplacementGradient(points) - second.DisplacementGradient(points)).max() < 1e-13
 
 
-@pytest.mark.parametrize("a, b", [(1.1, 0.7), (1, 0.1), (1, 0.999)])
+@pytest.mark.parametrize("a, b", [(1.1, 0.7), (1, 0.05), (1, 0.999), (0.8, 0.8)])
 def test_confocal_coordinates(a, b):
     """Also near the front and near the plane."""
     rng, t = np.random.default_rng(2), np.linspace(0, 6, 200)
@@ -169,3 +169,5 @@ def test_what_cannot_be_added():
         penny(MATERIAL, A) + penny(MATERIAL, A).At((1, 0, 0))
     with pytest.raises(ValueError, match="the faces stick"):
         closed_penny(MATERIAL, A, 2, 0.3, 0.25)
+    with pytest.raises(ValueError, match="turn the ellipse"):
+        ellipse(MATERIAL, B, A)
