@@ -31,6 +31,7 @@ from .options import StepOptions
 from .profile import State
 from .report import Report, stage
 from .solids import check_size
+from .solid_solution import solution_in
 from .solution import ContactSolution
 from .stabilisation import local_moduli
 
@@ -163,7 +164,7 @@ class ReducedProblem:
             found = self._nodal_solution(options, case, cone, report)
         recover, state = lambda: self._recover(found, report), self._state(found)
         report.work = state.work
-        return ContactSolution(
+        return solution_in(problem.V)(
             problem, recover, multipliers(problem, self.system, found.L), report, self.system.gamma, state, SolvedCase(problem.V, case.F, case.load), self
         )
 

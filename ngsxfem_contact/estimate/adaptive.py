@@ -1,4 +1,4 @@
-"""Solve, estimate, refine, until the error is below a tolerance: section 16 of docs/method.md."""
+"""Solve, estimate, refine, until the error is below a tolerance: section 18 of docs/method.md."""
 
 from __future__ import annotations
 

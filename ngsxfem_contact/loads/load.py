@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BND, Integrate, LinearForm, fem
+from ngsolve import BND, CF, Integrate, LinearForm, fem
 
 from .. import _ngsxfem_contact as core
 from ..points import distance_to_segments
@@ -18,6 +18,7 @@ from .terms import (
     checked_terms,
     coefficient_of_gradient,
     coefficient_of_limits,
+    coefficient_of_values,
     elements_of,
     place_of,
     replaced,
@@ -229,6 +230,11 @@ class LoadTerms:
         """r_0 of a side: the given part of what the multiplier is compared with."""
         shift = self.tractions.Shift(component, side, body)
         return shift if self.stress is None else shift + component.traction(body.LimitOnCrack(self.stress, SIDES.index(side) - 1), body)
+
+    def BodyForces(self) -> CoefficientFunction:
+        """f, the body force, a vector."""
+        bulk = [factor * coefficient_of_values(given.term) for factor, given in self.parts if factor and isinstance(given, GivenTerm) and given.place == "bulk"]
+        return sum(bulk, CF((0.0,) * self.dimension))
 
     def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """∫ f·field, f the body force, over some elements (BitArray) in which the field is not zero."""

@@ -140,6 +140,11 @@ def coefficient_of_limits(term: FormTerm) -> tuple[CoefficientFunction, Coeffici
     return tuple(here * CF(tuple(tested(term, v.Operator)[0].coef for v in pair)) for pair in unit_limits(term.body.mesh.dim))
 
 
+def coefficient_of_values(term: FormTerm) -> CoefficientFunction:
+    """f of a term ∫ f·v, a vector; zero where it is not taken."""
+    return restriction(term) * CF(tuple(tested(term, {"Id": unit}.get)[0].coef for unit in unit_vectors(term.body.mesh.dim)))
+
+
 def coefficient_of_gradient(term: FormTerm) -> CoefficientFunction | None:
     """S of a term ∫ S:∇v, a square matrix, or None if there is no gradient in it; zero where it is not taken."""
     if not any(core.OperatorName(proxy) == "grad" for proxy in term.test):

@@ -1,0 +1,90 @@
+"""The solution of a problem in space: what is read along fronts stands where that of the plane is read at tips."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+from ngsolve import IfPos
+
+from .. import _ngsxfem_contact as core
+from ..fracture.front_fields import FrontField
+from ..fracture.front_stress_intensity import FrontFactors, front_factors
+from ..operators import Gradient
+from ..sheets import check_plane
+from ..tables import Table
+from .solution import ContactSolution
+
+SIDES = ("plus", "minus")
+
+
+class SolidSolution(ContactSolution):
+    """A ContactSolution of a body in space.
+
+    Other Parameters
+    ----------------
+    front : int
+        A number in `body.fronts`.
+    radius : float
+        Of the largest tube around a front, a length; default four elements, less where there is no room.
+    """
+
+    def StressIntensity(self, front: int = 0, radius: float | None = None, nodes: int | None = None) -> FrontFactors:  # type: ignore[override]
+        """K_I, K_II, K_III and G along a front, with their errors: FrontFactors, by the interaction integral over tubes.
+
+        Parameters
+        ----------
+        nodes : int
+            Into how many intervals, at least 5, each part of the front between corners is divided; default one for two elements.
+
+        Raises
+        ------
+        ValueError
+            For a front that is not there, a tube that does not fit, and a coefficient of the load that has changed since the solve.
+        """
+        self.CheckLoad()
+        return front_factors(self.body, front_field(self), self.problem.material, front, radius, nodes)
+
+    def Table(self, radius: float | None = None) -> Table:
+        """K, G and their errors at the nodes of all fronts, a row for each node: see FrontFactors.table."""
+        found = [self.StressIntensity(front, radius).columns for front in range(len(self.body.fronts))]
+        return Table.Of({name: np.concatenate([columns[name] for columns in found]) for name in (found[0] if found else ())})
+
+    def EnergyReleaseRate(self, *arguments: Any, **named: Any) -> Any:
+        """For tips, which a body in space does not have: StressIntensity(front) has G. Raises ValueError."""
+        check_plane(self.body, "EnergyReleaseRate (StressIntensity(front) has G)")
+
+    def TStress(self, *arguments: Any, **named: Any) -> Any:
+        """For tips, which a body in space does not have. Raises ValueError."""
+        check_plane(self.body, "TStress")
+
+
+@singledispatch
+def solution_in(V: core.CrackFESpace) -> type[ContactSolution]:
+    """What solutions in a space are."""
+    return ContactSolution
+
+
+@solution_in.register(core.SolidFESpace)
+def solution_in_space(V: core.SolidFESpace) -> type[ContactSolution]:
+    """SolidSolutions."""
+    return SolidSolution
+
+
+def front_field(solution: ContactSolution) -> FrontField:
+    """What integrals around fronts read of a solution.
+
+    On closed lips σn is what contact and friction say, λ n + λ_t, beside the tractions that are given: σ(u⁺)n = λ n + λ_t - t⁺, σ(u⁻)n = λ n + λ_t + t⁻. How far the mean
+    of both sides of σ(u_h)n is from that, where the faces press on each other, is the doubt.
+    """
+    body, u, given, pressure = solution.body, solution.u, solution.FaceTractions(), solution.multiplier
+    contact = pressure * body.normal
+    if solution.tangential_multiplier is not None:
+        contact = contact + solution.tangential_multiplier
+    traction = {"plus": contact - given.plus, "minus": contact + given.minus}
+    found = [solution.ElasticStress(side) * body.normal for side in SIDES]
+    doubt = 0.5 * (traction["plus"] + traction["minus"] - found[0] - found[1])
+    return FrontField(
+        Gradient(u), {side: Gradient(u, side) for side in SIDES}, traction, pressure, IfPos(-1 * pressure, doubt, 0 * doubt), solution.load.BodyForces()
+    )
