@@ -30,8 +30,8 @@ def plane(height=CENTRE[2], tilt=(0.0, 0.0)):
     return Sheet.Polygon([(a, b, height + tilt[0] * (a - 0.5) + tilt[1] * (b - 0.5)) for a, b in ((-1, -1), (2, -1), (2, 2), (-1, 2))])
 
 
-def problem_of(mesh, sheet, front=FrontEnrichment(), form=None, dirichlet="outer", **arguments):
-    V = CrackFESpace(body := CrackedMesh(mesh, sheet), dirichlet=dirichlet, front=front, material=MATERIAL)
+def problem_of(mesh, sheet, front=FrontEnrichment(), form=None, dirichlet="outer", order=1, **arguments):
+    V = CrackFESpace(body := CrackedMesh(mesh, sheet), order=order, dirichlet=dirichlet, front=front, material=MATERIAL)
     problem = ContactProblem(V, TraceSpace(body, order=0), **arguments)
     if form is not None:
         problem.SetDirichlet(form.u, "outer")
@@ -56,6 +56,17 @@ def test_uniform_pressure_without_modes(sheet):
     assert Integrate(InnerProduct(solution.u - form.u, solution.u - form.u) * solution.body.dx, COARSE) < 1e-24
     assert solution.ContactArea() == pytest.approx(Integrate(1 * solution.body.dcrack, COARSE)) == pytest.approx(-solution.ContactForce(), rel=1e-10)
     assert np.abs(solution.state.nodes.Values(solution.gap)).max() < 1e-10
+
+
+def test_order_two():
+    """(3a) to round-off without modes; (3d) with them: pressure and slip are several times better than with order 1."""
+    form = uniform_stress(MATERIAL, stress_matrix(zz=-1)).At(CENTRE)
+    assert np.abs(problem_of(COARSE, DISK, None, form, order=2).Solve().state.L + 1).max() < 1e-10
+    form = closed_penny(MATERIAL, 0.3, p=1.0, tau=0.5).At(CENTRE)
+    solution = problem_of(MEDIUM, DISK, form=form, order=2).Solve()
+    around = solution.body.dcrack(bonus_intorder=2, fronts=FrontDemand())
+    assert pressure_error(solution, form) < 0.03 and relative_error(Jump(solution.u)[0], form.opening[0], around, MEDIUM) < 0.03
+    assert np.allclose(solution.Reactions().total.force, 0, atol=1e-10)
 
 
 def test_uniform_pressure_with_modes():

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from helpers import rotated_problem
 from netgen.geom2d import SplineGeometry
+from netgen.occ import unit_cube
 from ngsolve import CF, IfPos, Mesh, specialcf, y
 
 import ngsxfem_contact
@@ -267,7 +268,14 @@ def layered_square():
 
 def test_the_guide_runs(capsys, tmp_path, monkeypatch):
     """All of its code, one block after the other; materials, friction and Nitsche's method build problems of their own, which are solved here."""
-    names = {"mesh": layered_square(), "force": CF((0, -10)), "traction": CF((1, 0)), "pressure": 5.0, "crack": ngsxfem_contact.Crack([(0, 0.4), (0.4, 0.4)])}
+    names = {
+        "mesh": layered_square(),
+        "force": CF((0, -10)),
+        "traction": CF((1, 0)),
+        "pressure": 5.0,
+        "crack": ngsxfem_contact.Crack([(0, 0.4), (0.4, 0.4)]),
+        "cube": Mesh(unit_cube.GenerateMesh(maxh=0.12)),
+    }
     exec("import numpy as np\nfrom ngsolve import *\nfrom ngsxfem_contact import *\nsteel = Elasticity.PlaneStrain(E=210e3, nu=0.3)", names)
 
     def make_problem(cracks):
@@ -280,7 +288,7 @@ def test_the_guide_runs(capsys, tmp_path, monkeypatch):
     names["make_problem"] = make_problem
     monkeypatch.chdir(tmp_path)  # it saves a file
     blocks = code_of("guide.md")
-    assert len(blocks) == 16
+    assert len(blocks) == 17
     for block in blocks:
         if "material=rock" in block or "law=" in block or "stabilisation=" in block:
             own = dict(names)
