@@ -30,6 +30,11 @@ class SolidSolution(ContactSolution):
         Of the largest tube around a front, a length; default four elements, less where there is no room.
     """
 
+    @property
+    def body(self) -> Any:
+        """The CrackedSolid."""
+        return self.problem.body
+
     def StressIntensity(self, front: int = 0, radius: float | None = None, nodes: int | None = None) -> FrontFactors:  # type: ignore[override]
         """K_I, K_II, K_III and G along a front, with their errors: FrontFactors, by the interaction integral over tubes.
 

@@ -30,8 +30,8 @@ from .nodal_law import gives_way
 from .options import StepOptions
 from .profile import State
 from .report import Report, stage
-from .solids import check_size
 from .solid_solution import solution_in
+from .solids import check_size
 from .solution import ContactSolution
 from .stabilisation import local_moduli
 

@@ -12,6 +12,7 @@ from ngsolve import L2, CoefficientFunction, LinearForm
 from ..description import Described
 from ..points import place
 from ..protocols import Goal, check_role
+from ..sheets import check_plane
 from ..spaces.incompressible import stress_power
 from .contact_defect import contact_defect
 from .goal_estimate import GoalEstimate
@@ -57,6 +58,7 @@ class ErrorEstimate(Described):
     """
 
     def __init__(self, solution: ContactSolution) -> None:
+        check_plane(solution.body, "ErrorEstimate")
         solution.problem.V.share.Refuse("An estimate of the error")
         solution.CheckLoad()
         self.solution, self.next_order = solution, NextOrder(solution)
