@@ -1,4 +1,4 @@
-"""Friction on sheets in space: Tresca's and Coulomb's laws with the tangential multiplier in a disk (docs/method.md, section 14)."""
+"""Friction on sheets in space: Tresca's and Coulomb's laws with the tangential multiplier in a disk (docs/method.md, section 15)."""
 
 from __future__ import annotations
 
