@@ -1,5 +1,5 @@
 #pragma once
-// The three vector modes around a front of a sheet (docs/method.md, section 14).
+// The three vector modes around a front of a sheet (docs/method.md, section 15).
 
 #include "cut/front.hpp"
 #include "spaces/plane_modes.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// V_h of a body in space: P_k, copies, and at the nodes around fronts the vector modes times hats (docs/method.md, section 14).
+// V_h of a body in space: P_k, copies, and at the nodes around fronts the vector modes times hats (docs/method.md, section 15).
 
 #include "rules/solid_rules.hpp"
 #include "spaces/enriched_space.hpp"

@@ -14,7 +14,7 @@ p_t' - (s/|y_t|) (1 - e eᵀ) (p_t' - r w_t') - e s' = 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -122,8 +122,6 @@ def newton(problem: DiskProblem, p: np.ndarray, max_iterations: int) -> DiskResu
 
 def fixed_point(problem: DiskProblem, p: np.ndarray, max_iterations: int, tolerance: float = 1e-10, most: int = 200) -> DiskResult:
     """Thresholds that follow p_n, each a problem with one solution; raises NotConverged."""
-    from dataclasses import replace
-
     changes: list[float] = []
     contact: list[np.ndarray] = []
     s = problem.Threshold(p, problem.Trial(p))

@@ -1,4 +1,4 @@
-"""Friction on sheets in space: Tresca's and Coulomb's laws with the tangential multiplier in a disk (docs/method.md, section 14)."""
+"""Friction on sheets in space: Tresca's and Coulomb's laws with the tangential multiplier in a disk (docs/method.md, section 15)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..algebra.active_set import solve_equalities
-from ..algebra.disk_newton import DiskProblem, solve_disks
+from ..algebra.disk_newton import DiskProblem, DiskResult, fixed_point, solve_disks
+from ..algebra.nodal_methods import FixedPoint
 from ..operators import FIRST_TANGENTIAL, NORMAL, SECOND_TANGENTIAL
 from .faces import FaceWork
 from .friction import first_contact
@@ -51,13 +52,20 @@ class DiskFriction:
         q = slip_since(q, faces)
         p = np.zeros((3, n))
         p[0] = np.minimum(solve_equalities(Q[:n, :n], q[:n], contact)[0], 0)
-        result = solve_disks(DiskProblem(Q, q, threshold), p, max_iterations)
+        result = self._solve(DiskProblem(Q, q, threshold), p, max_iterations)
         report.iterations, report.active, report.method = len(result.contact), result.contact, result.method
         report.threshold_changes = result.threshold_changes
         contact, slip = result.contact[-1], result.slip
         fractions = {"open": ~contact, "stick": contact & ~slip, "slip": contact & slip}
         report.states = {name: float(nodes.mean()) if n else 0.0 for name, nodes in fractions.items()}
         return result.p.ravel()
+
+    def _solve(self, problem: DiskProblem, p: np.ndarray, max_iterations: int) -> DiskResult:
+        """By the method of the law."""
+        method = self.law.method
+        if isinstance(method, FixedPoint):
+            return fixed_point(problem, p, max_iterations, max(method.tolerance, 1e-10), method.max_iterations)
+        return solve_disks(problem, p, max_iterations)
 
     def Variables(self, p: np.ndarray, w: np.ndarray, faces: Faces) -> dict[str, np.ndarray]:
         """None."""

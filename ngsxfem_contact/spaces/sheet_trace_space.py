@@ -1,4 +1,4 @@
-"""W_h on sheets in space: one constant for each element that carries a part of a sheet (docs/method.md, section 14)."""
+"""W_h on sheets in space: one constant for each element that carries a part of a sheet (docs/method.md, section 15)."""
 
 from __future__ import annotations
 

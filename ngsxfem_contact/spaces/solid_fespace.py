@@ -1,4 +1,4 @@
-"""V_h of a body in space: section 14 of docs/method.md."""
+"""V_h of a body in space: section 15 of docs/method.md."""
 
 from __future__ import annotations
 

@@ -58,6 +58,23 @@ def test_uniform_pressure_without_modes(sheet):
     assert np.abs(solution.state.nodes.Values(solution.gap)).max() < 1e-10
 
 
+SQUARE = Sheet.Polygon([(0.25, 0.25, 0.5), (0.75, 0.25, 0.5), (0.75, 0.75, 0.5), (0.25, 0.75, 0.5)])
+HALF = Sheet.Polygon([(-1, -1, 0.5), (0.5, -1, 0.5), (0.5, 2, 0.5), (-1, 2, 0.5)])
+
+
+@pytest.mark.parametrize("sheet", (plane(0.5), SQUARE, HALF, Sheet.Disk((0.5, 0.5, 0.5), (0, 0, 1), 0.3)))
+def test_sheets_along_faces_of_the_mesh(sheet):
+    """(3a) on faces, with fronts along edges or through faces: to round-off without modes, to the rules' defect with them."""
+    mesh = MakeStructured3DMesh(hexes=False, nx=4, ny=4, nz=4)
+    for i in range(6):
+        mesh.ngmesh.SetBCName(i, "outer")
+    form = uniform_stress(MATERIAL, stress_matrix(zz=-1))
+    for front, bound in ((None, 1e-10), (FrontEnrichment(), 2e-3)):
+        solution = problem_of(mesh, sheet, front, form).Solve()
+        kinds = {cell.kind.name for cell in solution.body.Elements(0)}
+        assert "Aligned" in kinds and kinds <= {"Aligned", "Tip"} and np.abs(solution.state.L + 1).max() < bound
+
+
 def test_order_two():
     """(3a) to round-off without modes; (3d) with them: pressure and slip are several times better than with order 1."""
     form = uniform_stress(MATERIAL, stress_matrix(zz=-1)).At(CENTRE)

@@ -6,6 +6,7 @@ from ngsolve import CF, InnerProduct, Integrate, sqrt
 from ngsolve.meshes import MakeStructured3DMesh
 
 from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, Elasticity, Jump, LoadSteps, TraceSpace, Tresca
+from ngsxfem_contact.algebra.nodal_methods import FixedPoint
 from ngsxfem_contact.exact.pennies import closed_penny
 from ngsxfem_contact.exact.space_forms import stress_matrix, uniform_stress
 from ngsxfem_contact.geometry import FrontDemand, Sheet
@@ -85,6 +86,12 @@ def test_slip_has_the_direction_of_the_traction():
     assert force[1] / force[0] == pytest.approx(4 / 3, rel=0.05) and np.hypot(*force[:2]) == pytest.approx(-0.2 * solution.ContactForce(), rel=0.02)
     assert solution.DissipatedEnergy() == pytest.approx(float((L[1] * jump[1] + L[2] * jump[2]) @ weights), rel=1e-9)
     assert np.allclose(solution.Reaction("top")[:2], force[:2], rtol=1e-6)
+
+
+def test_a_fixed_point_gives_the_same():
+    newton, fixed = (sheared_block(Coulomb(0.2, **method), (0.3, 0.4)).Solve() for method in ({}, {"method": FixedPoint()}))
+    assert "fixed point" in fixed.report.method and "Newton" in newton.report.method and len(fixed.report.threshold_changes) > 1
+    assert np.allclose(fixed.state.L, newton.state.L, atol=1e-8 * np.abs(newton.state.L).max())
 
 
 def test_load_steps_remember_slip():
