@@ -8,6 +8,7 @@ square under random tractions, closed or open, with and without friction, on mes
 """
 
 import argparse
+import sys
 
 import numpy as np
 from error_estimate import graded
@@ -60,7 +61,7 @@ class Found:
         for kind in kinds:
             self.rows.setdefault(kind, []).append((error, found.error, found.bar, scale))
         if self.verbose:
-            print(f"{name:26}{goal!s:28} true {error:+.1e}  said {found.error:+.1e}  bar {found.bar:.1e}", flush=True)
+            print(f"{name:26}{goal!s:28} true {error:+.1e}  said {found.error:+.1e}  bar {found.bar:.1e}", file=sys.stderr, flush=True)
 
     def Print(self):
         for kind, rows in self.rows.items():

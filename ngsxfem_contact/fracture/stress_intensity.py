@@ -226,7 +226,7 @@ class InteractionIntegral:
         K = scale * np.array([[I(u, mode) for mode in modes] for I in integrals])
         doubt = [0.5 * scale * integrals[0].OfTraction(doubtful_traction(solution), mode) for mode in modes]
         own = mode_coefficients(solution, tip)
-        closed = is_closed(solution, tip) and not before_tip(solution, frame, solution.problem.gap).any()
+        closed = stays_closed(solution, tip)
         sought = slice(1 if closed else 0, 2)
         error = reported_error(K[:, sought], doubt[sought], own and own[sought], frame.h, solution.problem.V.tip_specs[tip])
         return StressIntensityFactors(0.0 if closed else float(K[0, 0]), float(K[0, 1]), error, radii, K, own)
@@ -333,6 +333,11 @@ def is_closed(solution: ContactSolution, tip: int) -> bool:
     jump = 0.0 if history is None else np.abs(history.jump).max(initial=0)
     size = max(np.abs(solution.Multipliers()).max(initial=0), material_at(solution, tip).E_prime * jump / frame.crack.length)
     return bool(np.median(before_tip(solution, frame, solution.multiplier)) < -1e-10 * size)
+
+
+def stays_closed(solution: ContactSolution, tip: int) -> bool:
+    """Whether K_I is 0: the faces press on each other before a tip, and had no gap there at first."""
+    return is_closed(solution, tip) and not before_tip(solution, TipFrame(solution.body, tip), solution.problem.gap).any()
 
 
 def constant_at_tip(solution: ContactSolution, frame: TipFrame, material: Isotropic) -> tuple[float, float]:
