@@ -10,7 +10,7 @@ from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunctio
 from ..algebra.elimination import Elimination
 from ..arguments import check_function
 from .exchange import exchange_of
-from .unknowns import Unknowns
+from .unknowns import Unknowns, scalar_flags
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -62,7 +62,7 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
 
 def _smooth(V: CrackFESpace, function: Any, name: str) -> np.ndarray:
     """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
-    plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
+    plain = GridFunction(VectorH1(V.mesh, **scalar_flags(V)))
     plain.Set(check_function(function, f"Interpolant: {name}", 2), dual=True)
     return finite(plain.vec.FV().NumPy().copy(), f"Interpolant: {name}")
 
@@ -72,10 +72,6 @@ def finite(values: np.ndarray, name: str) -> np.ndarray:
     if not np.isfinite(values).all():
         raise ValueError(f"{name} is not finite (NaN or inf) somewhere in the body")
     return values
-
-
-def _scalar_flags(V: CrackFESpace) -> dict[str, float]:
-    return {key: value for key, value in V.flags.ToDict().items() if key in ("order", "orderinner")}
 
 
 def _own_sides(V: CrackFESpace) -> np.ndarray:
