@@ -16,7 +16,7 @@ from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFE
 from ngsxfem_contact.algebra.matrices import csr_view
 from ngsxfem_contact.contact import InfSup, LinearCohesive, PathSteps
 from ngsxfem_contact.contact.solver import ReducedProblem
-from ngsxfem_contact.fracture import GivenIncrement, StressInitiation
+from ngsxfem_contact.fracture import GivenIncrement, JunctionInitiation, StressInitiation
 from ngsxfem_contact.points import crack_points
 from ngsxfem_contact.processes import DistributedMesh, Processes
 from ngsxfem_contact.spaces import Interpolant, Projection
@@ -268,6 +268,12 @@ def steps(problem):
     return {f"step {t}": load.Solve(t).state.L for t in (0.5, 1.0, 0.3)}
 
 
+def hoop(problem):
+    """The stress around the crossing."""
+    around = JunctionInitiation(strength=1.0, length=0.2, radius=0.1)
+    return {"hoop": np.nan_to_num(around.HoopStress(problem.Solve(), np.array([0.5, 0.5]), np.linspace(0, 2 * np.pi, 72, endpoint=False)))}
+
+
 def path(problem):
     """Steps whose load is found."""
     steps = PathSteps(problem)
@@ -349,8 +355,8 @@ def solved(name, folder):
             "EE": np.sort(found["EE"].diagonal()),
             "D": np.sort(found["D"].diagonal()),
         }
-    if case in (slip, torn):
-        found |= {slip: steps, torn: path}[case](problem)
+    if case in (slip, torn, crossing):
+        found |= {slip: steps, torn: path, crossing: hoop}[case](problem)
     return same_on_all(found, exchange), exchange.is_first
 
 
