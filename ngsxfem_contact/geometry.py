@@ -36,7 +36,7 @@ class CrackedMesh(core.CrackedMesh):
         For two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch
         or touch without crossing.
     NotImplementedError
-        Under mpirun with several processes.
+        Under mpirun with several processes for a mesh that they do not share, see `processes.DistributedMesh`.
 
     Notes
     -----

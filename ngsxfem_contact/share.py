@@ -19,6 +19,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, H1, VOL, BitArray, ElementId, Mesh
 
 from . import _ngsxfem_contact as core
+from .curved_mesh import Curves
 from .processes import Processes
 
 if TYPE_CHECKING:
@@ -115,11 +116,10 @@ class Share(Processes):
 
 
 def share_of(mesh: Mesh, cracks: Sequence[core.Crack]) -> Share:
-    """The Share of this process in a mesh with cracks. Raises NotImplementedError for a curved mesh, and as `Processes.Of` does."""
+    """The Share of this process in a mesh with cracks. Raises NotImplementedError as `Processes.Of` and `Curves.Of` do."""
     processes = Processes.Of(mesh, "CrackedMesh")
     if not processes.several:
         return Share(mesh=mesh, source=mesh)
-    processes.Refuse("A curved mesh", processes.Max(mesh.GetCurveOrder()) > 1)  # that of a process without elements is 1
     abort_on_error(processes.comm)
     part = Part(mesh, processes)
     return shared(part, processes, strip(part, processes, cracks))
@@ -150,6 +150,8 @@ class Part:
         (ne, 3), (n, 2): vertices of elements and boundary elements, in numbers on which all agree.
     regions, boundaries
         Their regions.
+    curves
+        The Curves of the mesh.
     """
 
     def __init__(self, mesh: Mesh, processes: Processes) -> None:
@@ -163,6 +165,7 @@ class Part:
         others = [np.array(list(parallel.Proc2Dof(other)), dtype=int) for other in parallel.ExchangeProcs()]
         self.interface = np.unique(ids[np.concatenate([np.zeros(0, dtype=int), *others])])
         self.first = sum(processes.Gather(mesh.ne)[: processes.comm.rank])
+        self.curves = Curves.Of(mesh, processes)
 
     def PointsOf(self, vertices: np.ndarray) -> np.ndarray:
         """(..., 2)."""
@@ -202,7 +205,9 @@ def shared(part: Part, processes: Processes, everywhere: np.ndarray) -> Share:
     """The Share of this process: its own elements, and those of the others that all hold."""
     mine = np.flatnonzero(everywhere)
     held = np.unique(part.corners[mine])
-    of_all = processes.Gather((part.corners[mine], part.regions[mine], part.first + mine, held, part.PointsOf(held), part.segments, part.boundaries))
+    of_all = processes.Gather(
+        (part.corners[mine], part.regions[mine], part.first + mine, held, part.PointsOf(held), part.segments, part.boundaries, part.curves.parameters)
+    )
     others = [rows for rank, rows in enumerate(of_all) if rank != processes.comm.rank]
     stack = lambda own, column, rows=of_all: np.concatenate([own, *(row[column] for row in rows)])
     corners, regions, elements = (
@@ -215,11 +220,14 @@ def shared(part: Part, processes: Processes, everywhere: np.ndarray) -> Share:
     points = part.points | {vertex: point for rows in of_all for vertex, point in zip(rows[3].tolist(), rows[4].tolist())}
     vertices = np.unique(corners)
     numbers, first = np.unique(edges_of(np.concatenate([rows[5] for rows in of_all])), return_index=True)
-    segments, boundaries = (np.concatenate([rows[column] for rows in of_all])[first] for column in (5, 6))
+    segments, boundaries, parameters = (np.concatenate([rows[column] for rows in of_all])[first] for column in (5, 6, 7))
     names = [max(processes.Gather(list(names)), key=len) for names in (part.mesh.GetMaterials(), part.mesh.GetBoundaries())]
     place_of = lambda numbers: np.searchsorted(vertices, numbers).astype(int)
     at = np.array([points[vertex] for vertex in vertices.tolist()])
-    mesh = serial_mesh(at, place_of(corners), regions, place_of(segments), boundaries, *names)
+    if part.curves.order > 1:
+        mesh = part.curves.Mesh(at, place_of(corners), regions, place_of(segments), parameters)
+    else:
+        mesh = serial_mesh(at, place_of(corners), regions, place_of(segments), boundaries, *names)
     beside, of_edge = elements.repeat(3), edges_of(corners)
     place = np.minimum(np.searchsorted(numbers, of_edge), len(numbers) - 1)
     on_it = numbers[place] == of_edge

@@ -6,6 +6,7 @@ matrix, the sum of all, which every process factorises: of n_Γ unknowns on the 
 
 from __future__ import annotations
 
+import os
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,16 @@ if TYPE_CHECKING:
     from ..processes import Exchange
 
 
+def check_memory(size: int) -> None:
+    """Raises MemoryError where three dense matrices of a size, which are there at once, are more than the machine has."""
+    needed, there = 3 * 8 * size**2, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if needed > there:
+        raise MemoryError(
+            f"substructuring: {size} unknowns between processes and of the crack are a dense matrix, which needs {needed / 1e9:.0f} GB on each process, and this "
+            f"machine has {there / 1e9:.0f} GB for all: take fewer processes, or a coarser mesh"
+        )
+
+
 class Substructuring:
     """A DirectSolver on the unknowns of a BitArray; matrix and K (CSC) are the additive parts of this process.
 
@@ -37,6 +48,11 @@ class Substructuring:
         K A⁻¹Kᵀ, dense, on all processes.
     positive
         Whether A is positive definite.
+
+    Raises
+    ------
+    MemoryError
+        Where the dense matrix does not fit into the memory of the machine.
     """
 
     name = "substructuring"
@@ -59,6 +75,7 @@ class Substructuring:
     def _eliminate_interface(self, A: scipy.sparse.csr_matrix) -> None:
         """What is left of A and of K on the interface, and of both on K."""
         g, k = len(self.interface), self.K.shape[0]
+        check_memory(self.size + k)
         own = np.zeros((g + k, g + k))
         if self.factors is not None:
             rows = self.rows.tocsc()

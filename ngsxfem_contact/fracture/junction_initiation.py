@@ -116,7 +116,7 @@ class JunctionInitiation:
         free, around = free_ways(solution.body, point, ways, self.distance), np.column_stack([-ways[:, 1], ways[:, 0]])
         radii, half = PATCH
         hoop = np.zeros(len(angles))
-        for radius in radii:
+        for radius in radii if free.any() else ():
             points = (point + radius * self.distance * ways)[free]
             xx, yy, xy = solution.problem.V.share.AtPoints(points, lambda here: stress_at(solution, here)).T
             a, b = around[free].T

@@ -6,10 +6,10 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CELL, EDGE, VERTEX, VOL, ElementId, NodeId
+from ngsolve import CELL, EDGE, H1, VERTEX, VOL, ElementId, NodeId
 
 from ..processes import Exchange
-from .unknowns import Unknowns
+from .unknowns import Unknowns, scalar_flags
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,11 +21,24 @@ TIP = 3  # beside the kinds of nodes
 
 
 def exchange_of(V: CrackFESpace) -> Exchange:
-    """The Exchange of the unknowns of V, kept with V; of one process all are its own."""
+    """The Exchange of the unknowns of V, kept with V; of one process all are its own. Raises RuntimeError unless all count as many functions as NGSolve does."""
     known: dict[str, Exchange] = V.__dict__
     if "_exchange" not in known:
         known["_exchange"] = negotiated(V, V.share) if V.share.several else Exchange(V.share.comm)
+        check_count(V, known["_exchange"])
     return known["_exchange"]
+
+
+def check_count(V: CrackFESpace, exchange: Exchange) -> None:
+    """Raises RuntimeError unless all φ_i are counted once: of the mesh that processes share NGSolve knows their number."""
+    if not exchange.several:
+        return
+    counted = exchange.Sum(int(exchange.master[Unknowns(V).Polynomial(0)].sum()))
+    number = H1(V.share.source, **scalar_flags(V)).ndofglobal
+    if counted != number:
+        raise RuntimeError(
+            f"processes count {counted} functions φ_i, and there are {number}: they do not agree on what they share; please report it with the mesh"
+        )
 
 
 def negotiated(V: CrackFESpace, share: Share) -> Exchange:

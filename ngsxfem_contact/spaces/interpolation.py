@@ -12,7 +12,7 @@ from .._ngsxfem_contact import CrackedSolid
 from ..algebra.elimination import Elimination
 from ..arguments import check_function
 from .exchange import exchange_of
-from .unknowns import Unknowns
+from .unknowns import Unknowns, scalar_flags
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,7 +78,7 @@ def set_modes(V: Any, vec: np.ndarray, fronts: Sequence[Any]) -> None:
 
 def _smooth(V: CrackFESpace, function: Any, name: str) -> np.ndarray:
     """Coefficients of the interpolant of a smooth function in (P_k)², component after component."""
-    plain = GridFunction(VectorH1(V.mesh, **_scalar_flags(V)))
+    plain = GridFunction(VectorH1(V.mesh, **scalar_flags(V)))
     plain.Set(check_function(function, f"Interpolant: {name}", V.mesh.dim), dual=True)
     return finite(plain.vec.FV().NumPy().copy(), f"Interpolant: {name}")
 
@@ -88,10 +88,6 @@ def finite(values: np.ndarray, name: str) -> np.ndarray:
     if not np.isfinite(values).all():
         raise ValueError(f"{name} is not finite (NaN or inf) somewhere in the body")
     return values
-
-
-def _scalar_flags(V: CrackFESpace) -> dict[str, float]:
-    return {key: value for key, value in V.flags.ToDict().items() if key in ("order", "orderinner")}
 
 
 def _own_sides(V: CrackFESpace) -> np.ndarray:

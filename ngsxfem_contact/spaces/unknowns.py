@@ -61,3 +61,8 @@ class Unknowns:
         for tip in range(len(self.V.body.tips)):
             kinds[np.isin(dofs, self.Tip(tip))] = tip + 1
         return kinds
+
+
+def scalar_flags(V: core.CrackFESpace) -> dict[str, float]:
+    """The flags of the space of the φ_i."""
+    return {key: value for key, value in V.flags.ToDict().items() if key in ("order", "orderinner")}

@@ -8,15 +8,18 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 from netgen.geom2d import SplineGeometry, unit_square
-from ngsolve import CF, IfPos, Integrate, Mesh, dx, sqrt, x, y
+from netgen.occ import Circle, OCCGeometry
+from ngsolve import CF, IfPos, Integrate, Mesh, ds, dx, sqrt, x, y
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact.algebra.substructuring import check_memory
 from ngsxfem_contact.contact import Coercivity, ConditionNumber
 from ngsxfem_contact.errors import SingularSystem
 from ngsxfem_contact.plotting import plot_body, plot_mesh
 from ngsxfem_contact.plotting.picture import Picture
 from ngsxfem_contact.plotting.plots import animate, split_displacement
 from ngsxfem_contact.processes import DistributedMesh, together
+from ngsxfem_contact.spaces.exchange import exchange_of
 
 COMM = MPI.COMM_WORLD
 STEEL = Elasticity.PlaneStrain(E=210e3, nu=0.3)
@@ -27,10 +30,14 @@ def square(maxh=0.15):
     return unit_square.GenerateMesh(maxh=maxh)
 
 
-def disk():
+def disk(maxh=0.3):
     geometry = SplineGeometry()
     geometry.AddCircle((0, 0), 1)
-    return geometry.GenerateMesh(maxh=0.3)
+    return geometry.GenerateMesh(maxh=maxh)
+
+
+def disk_of_occ():
+    return OCCGeometry(Circle((0, 0), 1).Face(), dim=2).GenerateMesh(maxh=0.3)
 
 
 def refused(action, kind, *words):
@@ -86,11 +93,8 @@ def what_is_not_supported_is_refused():
     if COMM.size == 1:
         return
     words = "not supported by several processes"
-    curved = DistributedMesh(disk)
-    curved.Curve(2)
     solution = problem().Solve()
     for action in (
-        lambda: CrackedMesh(curved, Crack([(-0.2, 0), (0.3, 0)])),
         lambda: TraceSpace(solution.body, order=2, basis="trace"),
         lambda: problem(stabilisation=BarbosaHughes(gamma0=1)).Solve(),
         lambda: problem().Solve(inverse="sparsecholesky"),
@@ -104,6 +108,20 @@ def what_is_not_supported_is_refused():
     refused(lambda: CrackedMesh(solution.body.mesh, INCLINED), NotImplementedError, "DistributedMesh")
 
 
+def curved_elements():
+    """Of both kinds of geometry: they have the area and the boundary of the whole mesh."""
+    for make in (disk, lambda: disk(0.15), disk_of_occ):
+        mesh, whole = DistributedMesh(make), Mesh(make())
+        for each in (mesh, whole):
+            each.Curve(3)
+        body = CrackedMesh(mesh, Crack([(-1, 0.1), (0.3, 0)]))
+        area, length = (Integrate(CF(1) * measure, whole) for measure in (dx, ds))
+        assert COMM.allreduce(Integrate(body.share.Own(CF(1) * body.dx), body.mesh)) / (1 if body.share.several else COMM.size) == pytest.approx(
+            area, rel=1e-13
+        )
+        assert Integrate(CF(1) * body.ds, body.mesh) == pytest.approx(length, rel=1e-7) and body.mesh.GetCurveOrder() == 3  # another rule along ∂Ω
+
+
 def point_loads():
     """A point is that of one process, also between processes; outside of the body none is."""
     solved = problem()
@@ -112,6 +130,18 @@ def point_loads():
     assert (np.sum(COMM.allgather(share.Has(points).astype(int)), axis=0) == 1).all()
     assert share.AtPoints(points, CF((x, y))) == pytest.approx(points, abs=1e-14)
     refused(lambda: solved.f.__iadd__(solved.V.TestFunction()[1](1.5, 0.5)), ValueError, "problem.f: the point of a load (1.5, 0.5) lies outside of the body")
+
+
+def what_is_counted_twice_is_found():
+    """Processes that do not agree on what they share are stopped, whatever the order: before anything is solved."""
+    body = CrackedMesh(DistributedMesh(lambda: square(0.06)), INCLINED)
+    for order in (1, 2, 3):
+        V = CrackFESpace(body, order=order, material=STEEL, bubble=order == 1)
+        assert exchange_of(V).Count(V.ndof) > 0
+    if COMM.size > 2:
+        body.share.interface[:] = False
+        V = CrackFESpace(body, order=2, material=STEEL)
+        refused(lambda: exchange_of(V), RuntimeError, "functions φ_i", "do not agree")
 
 
 def pictures_are_drawn_by_the_first():
@@ -139,6 +169,8 @@ def what_is_wrong_is_refused_on_all():
     refused(lambda: problem(dirichlet="").Solve(), SingularSystem, "3 rigid motion(s)")
     nowhere = IfPos((x - 0.85) ** 2 + (y - 1) ** 2 - 0.01, 0, sqrt(-1 - x))
     refused(lambda: problem(load=(0, nowhere)).Solve(), ValueError, "the load `f` is not finite")
+    refused(lambda: check_memory(10**7), MemoryError, "2400000 GB on each process", "take fewer processes")
+    check_memory(100)
 
 
 def an_error_of_one_process_ends_all():
@@ -155,7 +187,9 @@ CASES = [
     a_mesh_of_each_process_is_refused,
     what_is_not_supported_is_refused,
     what_is_wrong_is_refused_on_all,
+    curved_elements,
     point_loads,
+    what_is_counted_twice_is_found,
     pictures_are_drawn_by_the_first,
 ]
 

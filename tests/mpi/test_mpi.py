@@ -102,7 +102,7 @@ def test_as_one_process(tmp_path):
     assert len(one) > 15 and one["slivers_P2"]["negligible"] > 0
     contact, _, right, left = one["slip_P2"]["counts"]
     assert contact > 3 and right + left > 3
-    assert all(0 < one[name]["active"][-1].sum() for name in ("edge_P1", "several_P1", "crossing_P2", "arc_P2", "through_P2", "regions_P2"))
+    assert all(0 < one[name]["active"][-1].sum() for name in ("edge_P1", "several_P3", "crossing_P2", "arc_P2", "through_P2", "regions_P2"))
     for number in (3, 4):
         assert found[number].keys() == one.keys()
         assert [(number, name, *what) for name in one for what in differences(one[name], found[number][name], ROUND_OFF.get(name, 1.0))] == []
