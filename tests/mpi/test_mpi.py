@@ -52,7 +52,7 @@ def test_an_error_of_one_process_ends_all():
 
 def solved(number, folder):
     """{name: what this number of processes found} of the problems of solutions.py, in one run."""
-    done = run(number, HERE / "solutions.py", folder, seconds=400)
+    done = run(number, HERE / "solutions.py", folder, seconds=1200)
     assert done.returncode == 0, done.stdout + done.stderr
     return {path.stem: np.load(path) for path in sorted(folder.glob("*.npz"))}
 
