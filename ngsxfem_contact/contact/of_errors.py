@@ -32,7 +32,7 @@ class OfErrors:
         self._reduced = None
 
     def ErrorEstimate(self) -> ErrorEstimate:
-        """How far the solution is off in the energy norm, and where: an ErrorEstimate. It needs no factorisation, and takes less time than the solve of a large problem.
+        """How far the solution is off in the energy norm, and where: an ErrorEstimate. It needs no factorisation, and takes about as long as the solve.
 
         Raises
         ------

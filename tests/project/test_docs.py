@@ -289,7 +289,7 @@ def test_the_guide_runs(capsys, tmp_path, monkeypatch):
     names["make_problem"] = make_problem
     monkeypatch.chdir(tmp_path)  # it saves a file
     blocks = code_of("guide.md")
-    assert len(blocks) == 17
+    assert len(blocks) == 18
     for block in blocks:
         if "material=rock" in block or "law=" in block or "stabilisation=" in block:
             own = dict(names)
