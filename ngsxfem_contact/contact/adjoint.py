@@ -1,4 +1,4 @@
-"""The adjoint of a solved problem: how quantities that are linear in (U, L) change with the right-hand sides of (38), with the states that were found: section 16 of docs/method.md."""
+"""The adjoint of a solved problem: how quantities that are linear in (U, L) change with the right-hand sides of (38), with the states that were found: section 17 of docs/method.md."""
 
 from __future__ import annotations
 

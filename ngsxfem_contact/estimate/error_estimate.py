@@ -1,4 +1,4 @@
-"""The error of a solution in the energy norm, and where it comes from: section 15 of docs/method.md."""
+"""The error of a solution in the energy norm, and where it comes from: section 16 of docs/method.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The error of a quantity by the dual problem: section 16 of docs/method.md."""
+"""The error of a quantity by the dual problem: section 17 of docs/method.md."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Fields around a front in its frame (e₁, e₂, e₃): the modes I, II, III as auxiliary fields, and what is read from a displacement.
 
 The auxiliary fields are b = U_i(x₁, x₂) e_i(s), U the fields of unit K of a straight front: displacements with their true gradients, whose stresses are not
-in equilibrium where the front is curved. With κ̃ = κ/(1 + κ x₁), e₁' = κ e₃, e₃' = -κ e₁, section 17 of docs/method.md:
+in equilibrium where the front is curved. With κ̃ = κ/(1 + κ x₁), e₁' = κ e₃, e₃' = -κ e₁, section 14 of docs/method.md:
 
     ∇b = ∂_j U_i e_i ⊗ e_j + κ̃ (U₁ e₃ - U₃ e₁) ⊗ e₃.
 """

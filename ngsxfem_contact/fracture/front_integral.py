@@ -1,4 +1,4 @@
-"""The symmetric form I(a,b) of two fields around a front, for all hats along it at once: section 17 of docs/method.md.
+"""The symmetric form I(a,b) of two fields around a front, for all hats along it at once: section 14 of docs/method.md.
 
 With V = q(r) N(s) e₁ for a hat N, σ = C:ε + σ⁰ and f the body force,
 

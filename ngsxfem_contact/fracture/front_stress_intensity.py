@@ -1,4 +1,4 @@
-"""K_I, K_II, K_III and G along the fronts of a solid: section 17 of docs/method.md.
+"""K_I, K_II, K_III and G along the fronts of a solid: section 14 of docs/method.md.
 
 I(u, mode) = 2K/E' for modes I and II, K/μ for mode III, I(u,u) = 2G.
 """

@@ -1,6 +1,6 @@
 """The tube around a front in which its integrals are taken: hats along the front, where there is room for the tube, and rules of quadrature.
 
-Section 17 of docs/method.md. Coordinates: x = C(s) + r cos θ e₁ + r sin θ e₂, dV = (1 + κ r cos θ) r dr dθ ds, θ = ±π on the faces.
+Section 14 of docs/method.md. Coordinates: x = C(s) + r cos θ e₁ + r sin θ e₂, dV = (1 + κ r cos θ) r dr dθ ds, θ = ±π on the faces.
 """
 
 from __future__ import annotations
