@@ -17,6 +17,16 @@ namespace ngsxfem_contact
 
     using ngfem::DifferentialOperator::CalcMatrix, ngfem::DifferentialOperator::Apply, ngfem::DifferentialOperator::AddTrans;
 
+    void Apply (const ngfem::FiniteElement & fel, const ngfem::BaseMappedIntegrationPoint & mip, ngbla::BareSliceVector<double> x,
+                ngbla::FlatVector<double> flux, ngcore::LocalHeap & lh) const override
+    {
+      ngcore::HeapReset hr(lh);
+      ngbla::FlatMatrix<double, ngbla::ColMajor> mat(1, fel.GetNDof(), lh);
+      CalcMatrix(fel, mip, mat, lh);
+      flux(0) = 0;
+      for (int j = 0; j < fel.GetNDof(); j++) flux(0) += mat(0, j) * x(j);
+    }
+
     void Apply (const ngfem::FiniteElement & fel, const SIMDRule & mir, ngbla::BareSliceVector<double> x,
                 ngbla::BareSliceMatrix<ngcore::SIMD<double>> flux) const override
     {

@@ -56,6 +56,7 @@ namespace ngsxfem_contact
     void Visit (Vec<3,T> x, int side, F && visit) const
     {
       FIELD modes[FrontFunctions::size];
+      for (auto & mode : modes) for (int k = 0; k < 3; k++) mode(k) = 0.;   // compilers do not see that they are evaluated before they are used
       const FrontFunctions * last = nullptr;
       size_t number = 0;
       for (auto & node : nodes)

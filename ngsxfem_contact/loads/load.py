@@ -64,6 +64,7 @@ class LoadForm(LinearForm):
             if self.V.mesh.dim == 3:
                 raise ValueError(f"{NAME_F}: point loads are there for plane bodies only; distribute the force over a part of the body or of its boundary")
             given: list[Any] = [PointLoad(form)]
+            given[0].CheckPlace(self.V)
             if given[0].IsOwn(self.V):
                 super().__iadd__(form)
         else:
@@ -135,6 +136,13 @@ class PointLoad:
             return bool(V.share.Has([self.point])[0])
         except ValueError as outside:
             raise ValueError(f"{NAME_F}: the point of a load {outside}") from None
+
+    def CheckPlace(self, V: CrackFESpace) -> None:
+        """Raises ValueError where the point is on a crack, nearer to it than round-off: there a displacement is two."""
+        size = np.ptp(V.mesh.ngmesh.Coordinates()[:, :2], axis=0).max()
+        for number, crack in enumerate(V.body.cracks):
+            if crack.Distance(self.point) <= 1e-10 * size:
+                raise ValueError(f"{NAME_F}: the point {self.point} of a load is on crack {number}, where the faces move apart; take problem.FaceTraction, or a point beside it")
 
     def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """0: domains of integration keep clear of the point."""
