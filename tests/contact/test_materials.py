@@ -187,7 +187,7 @@ def test_forms_by_region():
 
 
 def test_another_form_is_refused():
-    with pytest.raises(ValueError, match=r"form='membrane' is not one of \['plane strain', 'plane stress'\]"):
+    with pytest.raises(ValueError, match=r"form='membrane' is not one of \['plane strain', 'plane stress', 'solid'\]"):
         Elasticity(1, 1, form="membrane")
 
 
