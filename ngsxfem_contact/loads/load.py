@@ -142,7 +142,9 @@ class PointLoad:
         size = np.ptp(V.mesh.ngmesh.Coordinates()[:, :2], axis=0).max()
         for number, crack in enumerate(V.body.cracks):
             if crack.Distance(self.point) <= 1e-10 * size:
-                raise ValueError(f"{NAME_F}: the point {self.point} of a load is on crack {number}, where the faces move apart; take problem.FaceTraction, or a point beside it")
+                raise ValueError(
+                    f"{NAME_F}: the point {self.point} of a load is on crack {number}, where the faces move apart; take problem.FaceTraction, or a point beside it"
+                )
 
     def BodyForce(self, field: CoefficientFunction, elements: BitArray | None) -> float:
         """0: domains of integration keep clear of the point."""

@@ -318,6 +318,15 @@ def test_a_point_load_outside_of_the_disk_leaves_K_available():
     assert np.abs(np.subtract(*K)).max() < 0.02 * np.hypot(*K[0])
 
 
+def test_a_point_load_on_a_crack_is_refused():
+    """There u is two."""
+    pushed = problem(Crack([(0, 0.5), (0.4, 0.5)]), held="right")
+    v = pushed.V.TestFunction()
+    with pytest.raises(ValueError, match="is on crack 0"):
+        pushed.f += v[1](0.2, 0.5)
+    pushed.f += v[1](0.2, 0.6)
+
+
 # What is given may jump across a crack, change later, or not be linear
 
 
