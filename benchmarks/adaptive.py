@@ -71,6 +71,7 @@ def main():
     parser.add_argument("--unknowns", type=int, default=20_000)
     options = parser.parse_args()
     ngsglobals.msg_level = 0
+    warnings.simplefilter("ignore")  # of budgets that end a run
     for name in options.cases:
         make_problem, mesh_of, factor, true = CASES[name]
         for pair in ("P2/P1", "P1/P1"):
@@ -93,5 +94,4 @@ def main():
 
 
 if __name__ == "__main__":
-    warnings.simplefilter("ignore")
     recorded(main)

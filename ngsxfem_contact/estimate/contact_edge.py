@@ -25,6 +25,13 @@ if TYPE_CHECKING:
 
 INTERVALS = 6  # of the multiplier, from which the pressure is taken
 BEYOND = 3  # intervals of the gap in which λ may still oscillate
+
+
+def beta(a: float, b: float) -> float:
+    """∫ x^{a-1} (1 - x)^{b-1} from 0 to 1."""
+    return gamma(a) * gamma(b) / gamma(a + b)
+
+
 # ∫ (σ/t)^k √(t - σ) dσ and ∫ (σ/t)^k (t - σ)^{3/2} dσ from 0 to t, over t^{3/2} and t^{5/2}: the vector that is orthogonal to both
 ORTHOGONAL = np.cross(*(np.array([gamma(k + 1) * gamma(power) / gamma(k + 1 + power) for k in range(3)]) for power in (1.5, 2.5)))
 
