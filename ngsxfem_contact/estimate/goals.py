@@ -89,11 +89,11 @@ class StressIntensityFactor:
         integral, mode, scale = self._integral(solution)
         v, body = space.TestFunction(), solution.body
         matrix = lambda densities: CF(tuple(densities), dims=(2, 2)).Compile()
-        inside = matrix(integral.VolumeDensity(self._unit(solution, integral, unit, SIDE), mode) for unit in unit_matrices())
+        inside = matrix(integral.VolumeDensity(self._unit(solution, integral, unit, SIDE), mode) for unit in unit_matrices(2))
         disk = body.dx(definedonelements=integral.elements, space=space)  # of twice the order of the space
         form = LinearForm(InnerProduct(inside, Gradient(v)) * disk)
         for side in SIDE:
-            lip = matrix(integral.q * integral.LipDensity(self._unit(solution, integral, unit, [side]), mode) for unit in unit_matrices())
+            lip = matrix(integral.q * integral.LipDensity(self._unit(solution, integral, unit, [side]), mode) for unit in unit_matrices(2))
             form += InnerProduct(lip, Gradient(v, side)) * self._lips(solution, space)
         return scale * form.Assemble().vec.FV().NumPy()
 

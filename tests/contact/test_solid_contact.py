@@ -272,8 +272,8 @@ def test_what_is_not_there_in_space():
             call()
     with pytest.raises(NotSaved, match="there for plane bodies only"):
         solution.Save("nothing.sol")
-    with pytest.raises(ValueError, match="there is no tip 0"):
-        solution.StressIntensity()
+    with pytest.raises(ValueError, match="the tube of radius .* meets its own centre of curvature"):
+        solution.StressIntensity()  # the mesh is too coarse for it
 
 
 def test_sizes_beyond_direct_solvers_are_refused(monkeypatch):
