@@ -1,8 +1,9 @@
 """Cracks in space: rates at a straight front, pennies that open, close and slide, a partially closed crack, stability for planes in any position.
 
-    python benchmarks/solids.py [fronts] [pennies] [partial] [planes] [--number 100]
+    python benchmarks/solids.py [fronts] [pennies] [factors] [partial] [planes] [--number 100]
 
 fronts: the H¹ error of K_I, K_II, K_III = 1 along a straight front in n³ cubes. pennies: a disk of radius a = 0.3 in the unit cube whose mesh is refined around it.
+factors: K along its front from solutions, with edges of h on the disk.
 partial: a plane crack that is open for ρ < 0.3. planes: the eigenvalues of the multipliers' Schur complement for random planes through the cube.
 """
 
@@ -12,7 +13,9 @@ import time
 from pathlib import Path
 
 import numpy as np
-from ngsolve import CF, Grad, InnerProduct, Integrate, SetNumThreads, sqrt
+from netgen.csg import CSGeometry, OrthoBrick, Pnt
+from netgen.meshing import MeshingParameters
+from ngsolve import CF, Grad, InnerProduct, Integrate, Mesh, SetNumThreads, sqrt, x
 from results import recorded
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[1] / "tests" / "sheets")]
@@ -22,12 +25,12 @@ from ngsolve.meshes import MakeStructured3DMesh  # noqa: E402
 
 from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, Elasticity, Jump, TraceSpace  # noqa: E402
 from ngsxfem_contact.contact.solver import ReducedProblem  # noqa: E402
-from ngsxfem_contact.exact.pennies import closed_penny, partially_closed, penny_in_tension  # noqa: E402
+from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, partially_closed, penny_in_tension  # noqa: E402
 from ngsxfem_contact.exact.straight_fronts import straight_front  # noqa: E402
 from ngsxfem_contact.geometry import FrontDemand, Sheet  # noqa: E402
 from ngsxfem_contact.spaces import FrontEnrichment  # noqa: E402
 
-CASES = ("fronts", "pennies", "partial", "planes")
+CASES = ("fronts", "pennies", "factors", "partial", "planes")
 MATERIAL = Elasticity.Solid(E=2.5, nu=0.25)
 CENTRE, RADIUS = (0.49, 0.51, 0.513), 0.3
 
@@ -106,6 +109,46 @@ def pennies(number):
                     f"{kind:22}{order:6}{name:>12}{h / RADIUS:6.2f}{V.ndof:8}{m:6}{error:9.3f}{mean:11.3f}{pressure:>7}{solution.report.iterations:7}{seconds:6.1f}",
                     flush=True,
                 )
+
+
+def fine_on_disk(h):
+    """A mesh of the cube with edges of h on the disk, of 0.12 away from it."""
+    geometry, sizes = CSGeometry(), MeshingParameters(maxh=0.12, grading=0.3)
+    geometry.Add(OrthoBrick(Pnt(0, 0, 0), Pnt(1, 1, 1)).bc("outer"))
+    for r in np.arange(0, RADIUS + 2 * h, h):
+        for t in np.arange(0, 2 * np.pi, h / max(r, h)):
+            sizes.RestrictH(x=CENTRE[0] + r * np.cos(t), y=CENTRE[1] + r * np.sin(t), z=CENTRE[2], h=h)
+    return Mesh(geometry.GenerateMesh(mp=sizes))
+
+
+def factors(number):
+    bent = penny_in_tension(MATERIAL, RADIUS, 1.0) + bent_penny(MATERIAL, RADIUS, 2.0)
+    forms = {"tension and bending": (bent, None), "closed, Coulomb 0.4": (closed_penny(MATERIAL, RADIUS, 1.0, 0.8, 0.4), Coulomb(0.4))}
+    print("largest and mean error at the nodes along the front, percent of the largest K; nodes at which the reported errors cover it; seconds of solve and K")
+    print(f"{'penny':20}{'order':>6}{'modes':>11}{'a/h':>5}{'N':>8}{'m':>6}{'K_I':>14}{'K_II':>14}{'K_III':>14}{'covered':>9}{'solve':>7}{'K':>6}")
+    for ratio, order, radius in ((5, 1, 0), (5, 2, 0), (8, 1, 0), (8, 1, 1.5), (8, 2, 0), (10, 1, 0), (10, 1, 1.5)):
+        mesh, h = fine_on_disk(RADIUS / ratio), RADIUS / ratio
+        for kind, (form, law) in forms.items():
+            if law and (ratio == 10 or (ratio, order) == (8, 2)):
+                continue  # more than 5,000 multipliers, or minutes
+            body, form, start = CrackedMesh(mesh, Sheet.Disk(CENTRE, (0, 0, 1), RADIUS)), form.At(CENTRE), time.perf_counter()
+            V = CrackFESpace(body, order=order, dirichlet="outer", front=FrontEnrichment(radius=radius * h), material=MATERIAL)
+            problem = ContactProblem(V, TraceSpace(body), law=law)
+            problem.SetDirichlet(form.u, "outer")
+            if not law:
+                problem.FacePressure(2.0 * (x - CENTRE[0]))
+            solution = problem.Solve()
+            solution.u  # noqa: B018  recovers it
+            solved_at = time.perf_counter()
+            found = solution.StressIntensity()
+            exact = form.Factors(found.points)
+            off = np.abs(np.column_stack([found.K_I, found.K_II, found.K_III]) - exact)
+            percent, covered = 100 * off / np.abs(exact).max(), np.mean(off <= found.errors)
+            numbers = "".join(f"{f'{one.max():.2f} {np.sqrt(np.mean(one**2)):.2f}':>14}" for one in percent.T)
+            name, seconds = "at front" if not radius else f"r < {radius} h", (solved_at - start, time.perf_counter() - solved_at)
+            print(
+                f"{kind:20}{order:6}{name:>11}{ratio:5}{V.ndof:8}{len(solution.state.L):6}{numbers}{covered:9.0%}{seconds[0]:7.1f}{seconds[1]:6.1f}", flush=True
+            )
 
 
 def partial(number):

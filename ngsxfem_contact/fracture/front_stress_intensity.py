@@ -35,8 +35,8 @@ class FrontFactors:
 
     Attributes
     ----------
-    body, front
-        The CrackedSolid and the number in its `fronts`.
+    front
+        A number in the `fronts` of its CrackedSolid, body.
     s
         Arc lengths (n,) of the nodes.
     points
