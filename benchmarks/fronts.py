@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 
 import numpy as np
-from ngsolve import Grad, GridFunction, SetNumThreads, VectorL2
+from ngsolve import Grad, GridFunction, VectorL2
 from ngsolve.meshes import MakeStructured3DMesh
-from results import cases_of, recorded
+from results import recorded, run_cases
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[1] / "tests" / "fracture")]
 
@@ -25,7 +25,6 @@ from ngsxfem_contact.fracture.front_stress_intensity import front_factors  # noq
 from ngsxfem_contact.fracture.front_tube import TubeRule  # noqa: E402
 from ngsxfem_contact.geometry import Sheet  # noqa: E402
 
-CASES = ("rules", "nodes", "meshes")
 ELLIPSE = CrackedMesh(MESH, Sheet.Ellipse(ORIGIN, A * AXES[0], B * AXES[1]))
 
 
@@ -93,10 +92,7 @@ def meshes(realisations):
 
 
 def main():
-    arguments = cases_of(__doc__, CASES)
-    SetNumThreads(1)
-    for case in arguments.cases:
-        globals()[case](arguments.realisations)
+    run_cases(__doc__, (rules, nodes, meshes))
 
 
 if __name__ == "__main__":

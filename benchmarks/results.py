@@ -13,6 +13,8 @@ from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
+from ngsolve import SetNumThreads
+
 FOLDER = Path(__file__).resolve().parent / "results"
 
 
@@ -36,12 +38,21 @@ def heading(arguments):
     return f"# python benchmarks/{shlex.join(arguments)}\n# measured with {versions} on {date.today()}, {os.cpu_count()} cores\n"
 
 
-def cases_of(description, cases):
+def cases_of(description, cases, realisations=10):
     """The arguments of a benchmark that does some of its cases, each for a number of realisations."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", default=cases)
-    parser.add_argument("--realisations", type=int, default=10)
+    parser.add_argument("--realisations", type=int, default=realisations)
     return parser.parse_args()
+
+
+def run_cases(description, cases, realisations=10):
+    """Calls those of the functions `cases` that the command line names, by default all, with the number of realisations."""
+    by_name = {case.__name__: case for case in cases}
+    arguments = cases_of(description, list(by_name), realisations)
+    SetNumThreads(1)
+    for name in arguments.cases:
+        by_name[name](arguments.realisations)
 
 
 def recorded(main, folder=FOLDER):

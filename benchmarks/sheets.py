@@ -1,22 +1,21 @@
 """Planar sheets in tetrahedra: exact volumes and areas, no front missed, rules around fronts, and what is refused.
 
-    python benchmarks/sheets.py [planes] [degenerate] [circles] [tubes] [random] [--number 1000]
+    python benchmarks/sheets.py [planes] [degenerate] [circles] [tubes] [random] [--realisations 1000]
 
 planes: random planes through the unit cube. degenerate: planes through vertices, edges and faces of meshes, moved by offsets, a tenth of
 the number for each kind. circles: the elements with a front of random
 disks against the crossings of the circle with all faces. tubes: ∫ Σ_j |∇(χ F_j)|² over a tube around a straight and a circular front. random: sheets of five kinds.
 """
 
-import argparse
 import sys
 import time
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
-from ngsolve import Integrate, SetNumThreads
+from ngsolve import Integrate
 from ngsolve.meshes import MakeStructured3DMesh
-from results import recorded
+from results import recorded, run_cases
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[1] / "tests" / "sheets")]
 
@@ -25,8 +24,6 @@ from sheet_checks import DEMANDS, OFFSETS, degenerate_planes, energies, plane_er
 
 from ngsxfem_contact import CrackedMesh  # noqa: E402
 from ngsxfem_contact.geometry import FrontDemand, Sheet  # noqa: E402
-
-CASES = ("planes", "degenerate", "circles", "tubes", "random")
 
 
 def planes(number):
@@ -108,13 +105,7 @@ def random(number):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", default=CASES)
-    parser.add_argument("--number", type=int, default=1000)
-    arguments = parser.parse_args()
-    SetNumThreads(1)
-    for case in arguments.cases:
-        globals()[case](arguments.number)
+    run_cases(__doc__, (planes, degenerate, circles, tubes, random), 1000)
 
 
 if __name__ == "__main__":

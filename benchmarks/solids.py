@@ -1,13 +1,12 @@
 """Cracks in space: rates at a straight front, pennies that open, close and slide, a partially closed crack, stability for planes in any position.
 
-    python benchmarks/solids.py [fronts] [pennies] [factors] [partial] [planes] [--number 100]
+    python benchmarks/solids.py [fronts] [pennies] [factors] [partial] [planes] [--realisations 100]
 
 fronts: the H¹ error of K_I, K_II, K_III = 1 along a straight front in n³ cubes. pennies: a disk of radius a = 0.3 in the unit cube whose mesh is refined around it.
 factors: K along its front from solutions, with edges of h on the disk.
 partial: a plane crack that is open for ρ < 0.3. planes: the eigenvalues of the multipliers' Schur complement for random planes through the cube.
 """
 
-import argparse
 import sys
 import time
 from pathlib import Path
@@ -15,8 +14,8 @@ from pathlib import Path
 import numpy as np
 from netgen.csg import CSGeometry, OrthoBrick, Pnt
 from netgen.meshing import MeshingParameters
-from ngsolve import CF, Grad, InnerProduct, Integrate, Mesh, SetNumThreads, sqrt, x
-from results import recorded
+from ngsolve import CF, Grad, InnerProduct, Integrate, Mesh, sqrt, x
+from results import recorded, run_cases
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[1] / "tests" / "sheets")]
 
@@ -30,7 +29,6 @@ from ngsxfem_contact.exact.straight_fronts import straight_front  # noqa: E402
 from ngsxfem_contact.geometry import FrontDemand, Sheet  # noqa: E402
 from ngsxfem_contact.spaces import FrontEnrichment  # noqa: E402
 
-CASES = ("fronts", "pennies", "factors", "partial", "planes")
 MATERIAL = Elasticity.Solid(E=2.5, nu=0.25)
 CENTRE, RADIUS = (0.49, 0.51, 0.513), 0.3
 
@@ -179,13 +177,7 @@ def planes(number):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", default=CASES)
-    parser.add_argument("--number", type=int, default=100)
-    arguments = parser.parse_args()
-    SetNumThreads(1)
-    for case in arguments.cases:
-        globals()[case](arguments.number)
+    run_cases(__doc__, (fronts, pennies, factors, partial, planes), 100)
 
 
 if __name__ == "__main__":

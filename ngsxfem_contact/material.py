@@ -22,6 +22,12 @@ def check_engineering_constants(E: float, nu: float, limit: float, name: str) ->
     check_number(nu, f"{name}: nu", lambda nu: -1 < nu < limit, f"lie between -1 and {limit} (Poisson's ratio)")
 
 
+def lame_coefficients(E: float, nu: float, name: str) -> tuple[float, float]:
+    """(lam, mu) of space and of plane strain. Raises ValueError unless -1 < nu < 1/2, and as check_engineering_constants."""
+    check_engineering_constants(E, nu, 0.5, name)
+    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
 def check_form(material: "Isotropic", body: Any, name: str) -> None:
     """Raises ValueError for a material of the plane in a body in space, and for one of space in the plane."""
     dimension = body.mesh.dim
@@ -243,8 +249,7 @@ class Elasticity(Isotropic):
         ValueError
             Outside of these.
         """
-        check_engineering_constants(E, nu, 0.5, "Elasticity.PlaneStrain")
-        return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)), alpha=alpha)
+        return Elasticity(*lame_coefficients(E, nu, "Elasticity.PlaneStrain"), alpha=alpha)
 
     @staticmethod
     def PlaneStress(E: float, nu: float, alpha: float = 0.0) -> "Elasticity":
@@ -277,8 +282,7 @@ class Elasticity(Isotropic):
         ValueError
             Outside of these.
         """
-        check_engineering_constants(E, nu, 0.5, "Elasticity.Solid")
-        return Elasticity(E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu)), "solid", alpha)
+        return Elasticity(*lame_coefficients(E, nu, "Elasticity.Solid"), "solid", alpha)
 
     @staticmethod
     def ByRegion(mesh: Mesh, materials: "dict[str, Elasticity]") -> "RegionElasticity":

@@ -125,12 +125,17 @@ NORMAL = Component(NormalGap, NormalStress, lambda body: body.normal)
 TANGENTIAL = Component(Slip, TangentialStress, lambda body: body.tangent)
 
 
+def on_crack(body: CrackedMesh, number: int) -> CoefficientFunction:
+    """Positive on the crack of a number, negative on the others, for IfPos."""
+    return 0.25 - (body.crack_number - number) ** 2
+
+
 def SheetTangent(body: Any, number: int) -> CoefficientFunction:
     """The unit vector a_1 (number 0) or a_2 (1) of the plane of the sheet on which a point lies; body: a CrackedSolid."""
     vectors = [CF(tuple(sheet.axes[number])) for sheet in body.cracks]
     tangent = vectors[0]
     for sheet, vector in enumerate(vectors[1:], 1):
-        tangent = IfPos(0.25 - (body.crack_number - sheet) ** 2, vector, tangent)
+        tangent = IfPos(on_crack(body, sheet), vector, tangent)
     return tangent
 
 

@@ -48,12 +48,12 @@ class SolidSolution(ContactSolution):
         ValueError
             For a front that is not there, a tube that does not fit, and a coefficient of the load that has changed since the solve.
         """
-        self.CheckLoad()
         return front_factors(self.body, front_field(self), self.problem.material, front, radius, nodes)
 
     def Table(self, radius: float | None = None) -> Table:
         """K, G and their errors at the nodes of all fronts, a row for each node: see FrontFactors.table."""
-        found = [self.StressIntensity(front, radius).columns for front in range(len(self.body.fronts))]
+        field, material = front_field(self), self.problem.material
+        found = [front_factors(self.body, field, material, front, radius).columns for front in range(len(self.body.fronts))]
         return Table.Of({name: np.concatenate([columns[name] for columns in found]) for name in (found[0] if found else ())})
 
     def EnergyReleaseRate(self, *arguments: Any, **named: Any) -> Any:
@@ -78,11 +78,12 @@ def solution_in_space(V: core.SolidFESpace) -> type[ContactSolution]:
 
 
 def front_field(solution: ContactSolution) -> FrontField:
-    """What integrals around fronts read of a solution.
+    """What integrals around fronts read of a solution. Raises ValueError for a coefficient of the load that has changed since the solve.
 
     On closed lips σn is what contact and friction say, λ n + λ_t, beside the tractions that are given: σ(u⁺)n = λ n + λ_t - t⁺, σ(u⁻)n = λ n + λ_t + t⁻. How far the mean
     of both sides of σ(u_h)n is from that, where the faces press on each other, is the doubt.
     """
+    solution.CheckLoad()
     body, u, given, pressure = solution.body, solution.u, solution.FaceTractions(), solution.multiplier
     contact = pressure * body.normal
     if solution.tangential_multiplier is not None:

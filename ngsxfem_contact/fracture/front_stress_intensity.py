@@ -120,7 +120,7 @@ def front_factors(
     check_type(u, FrontField, "front_factors: u", "a FrontField")
     check_item(front, body.fronts, "front", "body.fronts")
     if getattr(material, "form", "") == "plane stress":
-        raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.PlaneStrain(E, nu) has them")
+        raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.Solid(E, nu) has them")
     curve = FrontCurve(body, front)
     h = curve.h
     if radius is not None:

@@ -11,6 +11,7 @@ from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import mask
+from ..operators import on_crack
 from ..points import boundary_points, element_regions, mesh_points, points_of_crack
 
 if TYPE_CHECKING:
@@ -164,7 +165,7 @@ def restriction(term: FormTerm) -> CoefficientFunction:
         indicator.vec.FV().NumPy()[:] = chosen
         inside = indicator
     if term.crack is not None and len(term.body.cracks) > 1:
-        inside = inside * IfPos(0.25 - (term.body.crack_number - term.crack) ** 2, 1.0, 0.0)
+        inside = inside * IfPos(on_crack(term.body, term.crack), 1.0, 0.0)
     return inside
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from ngsolve import CoefficientFunction
@@ -12,8 +13,11 @@ from ..arguments import crack_title
 from ..points import crack_points
 
 
-class CurveNodes(core.CurveNodes):
-    """Nodes of the plane's cracks, in the order of `arclengths`. Values at them are coefficients, sums over them with `weights` integrals."""
+class OwnCoefficients:
+    """The part of nodes whose values are coefficients themselves: of n nodes with `weights` ∫ψ_i, (n,)."""
+
+    weights: Any
+    __len__: Any
 
     @property
     def functions(self) -> np.ndarray:
@@ -22,8 +26,12 @@ class CurveNodes(core.CurveNodes):
 
     @property
     def mass(self) -> np.ndarray:
-        """That of the sums, diagonal."""
+        """∫ψ_i ψ_j, diagonal."""
         return np.diag(self.weights)
+
+
+class CurveNodes(OwnCoefficients, core.CurveNodes):
+    """Nodes of the plane's cracks, in the order of `arclengths`. Values at them are coefficients, sums over them with `weights` integrals."""
 
     @cached_property
     def points(self) -> np.ndarray:

@@ -13,6 +13,7 @@ from ..algebra.matrices import mask
 from ..arguments import check_type
 from ..description import Described, numbered
 from ..points import mesh_points, place
+from .nodes import OwnCoefficients
 
 if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedSolid, CutDifferentialSymbol
@@ -61,7 +62,7 @@ class SheetTraceSpace(Described, Compress):
         return SheetNodes(self)
 
 
-class SheetNodes:
+class SheetNodes(OwnCoefficients):
     """One node for each function of a SheetTraceSpace, in their order.
 
     Attributes
@@ -92,16 +93,6 @@ class SheetNodes:
 
     def __len__(self) -> int:
         return len(self.elements)
-
-    @property
-    def functions(self) -> np.ndarray:
-        """The identity."""
-        return np.eye(len(self))
-
-    @property
-    def mass(self) -> np.ndarray:
-        """∫ψ_i ψ_j, diagonal."""
-        return np.diag(self.weights)
 
     @cached_property
     def neighbours(self) -> np.ndarray:
