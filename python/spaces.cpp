@@ -1,6 +1,7 @@
 #include "enriched_space.hpp"
 #include <pybind11/numpy.h>
 #include "spaces/element_order.hpp"
+#include "spaces/tip_mode.hpp"
 
 using namespace ngsxfem_contact;
 using namespace ngcomp;
@@ -21,6 +22,15 @@ static void ExportTipSpec (py::module & m)
     .def(py::pickle([] (const TipSpec & s) { return py::make_tuple(s.basis, s.cutoff, s.r0, s.r1, s.kappa, s.mu); },
                     [] (py::tuple t) { return TipSpec { t[0].cast<TipBasis>(), t[1].cast<CutOff>(), t[2].cast<double>(),
                                                         t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>() }; }));
+}
+
+static void ExportTipModeGradient (py::module & m)
+{
+  m.def("TipModeGradient", [] (const Crack & crack, Pair point, Pair ahead, int plus_sign, int side, int mode, double kappa, double mu) -> shared_ptr<CoefficientFunction>
+        { return make_shared<TipModeGradient>(crack, ToPoint(point), ToPoint(ahead), plus_sign, side, mode, kappa, mu); },
+        py::arg("crack"), py::arg("point"), py::arg("ahead"), py::arg("plus_sign"), py::arg("side"), py::arg("mode"), py::arg("kappa"), py::arg("mu"),
+        "∂_j u_i of the field of unit K_I (mode 0) or K_II (mode 1) at a tip, a 2 x 2 CoefficientFunction. θ has the sign plus_sign on the plus side behind the tip.\n\n"
+        "Parameters\n----------\nside\n    1, -1: the limit from the plus or minus side of the crack; 0: by the position of the point.");
 }
 
 using TipSpecs = std::vector<std::optional<TipSpec>>;
@@ -129,6 +139,7 @@ void ExportSpaces (py::module & m)
           auto order = ElementOrder(*space);
           return py::array_t<int>(order.Size(), order.Data());
         }, py::arg("space"), "The unknowns of a space of NGSolve, an array, in the order in which the elements name them first; those of no element are left out.");
+  ExportTipModeGradient(m);
   ExportTipSpec(m);
   ExportCrackFESpace(m);
   ExportCrackBilinearForm(m);

@@ -6,19 +6,18 @@
 namespace ngsxfem_contact
 {
   using ngfem::AutoDiff;
-  using ngcore::SIMD;
+  using ngcore::SIMD, ngcore::IfPos;
 
-  /// √r cos(θ/2), √r sin(θ/2) and their gradients: √r cos(θ/2) = √((r+x)/2), no digits lost where x < 0. forced: the sign of θ, 0: that of y.
+  /// √r cos(θ/2), √r sin(θ/2) and their gradients: √r cos(θ/2) = √((r+x)/2), no digits lost where x < 0.
+  /// ahead, behind: the sign of θ where x > 0 and where x < 0; where they differ from that of y and from each other the cut bends, and θ goes beyond ±π.
   template <int D, typename T>
-  std::pair<AutoDiff<D,T>, AutoDiff<D,T>> HalfAngle (AutoDiff<D,T> x, AutoDiff<D,T> y, T r, int forced)
+  std::pair<AutoDiff<D,T>, AutoDiff<D,T>> HalfAngle (AutoDiff<D,T> x, AutoDiff<D,T> y, T r, T ahead, T behind)
   {
-    T one(1.);
-    T sign = forced ? T(double(forced)) : IfPos(y.Value(), one, IfPos(-y.Value(), -one, one));
     T absx = IfPos(x.Value(), x.Value(), -x.Value()), absy = IfPos(y.Value(), y.Value(), -y.Value());
     T large = sqrt(0.5*(r+absx)), small = 0.5*absy/large;
     AutoDiff<D,T> C, S;
-    C.Value() = IfPos(x.Value(), large, small);
-    S.Value() = sign * IfPos(x.Value(), small, large);
+    C.Value() = IfPos(x.Value(), large, ahead*behind*small);
+    S.Value() = IfPos(x.Value(), ahead*small, behind*large);
     T half_r = 0.5/r;
     for (int i = 0; i < D; i++)
       {
@@ -26,6 +25,14 @@ namespace ngsxfem_contact
         S.DValue(i) = half_r * (C.Value()*y.DValue(i) - S.Value()*x.DValue(i));
       }
     return { C, S };
+  }
+
+  /// The same along a cut on θ = ±π. forced: the sign of θ, 0: that of y.
+  template <int D, typename T>
+  std::pair<AutoDiff<D,T>, AutoDiff<D,T>> HalfAngle (AutoDiff<D,T> x, AutoDiff<D,T> y, T r, int forced)
+  {
+    T one(1.), sign = forced ? T(double(forced)) : IfPos(y.Value(), one, IfPos(-y.Value(), -one, one));
+    return HalfAngle(x, y, r, sign, sign);
   }
 
   /// 2μ √(2π) times the fields of unit K_I and K_II, ahead and to the left of the tip, for C and S of HalfAngle.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import CF, IfPos, InnerProduct, Integrate, LinearForm
+from ngsolve import CF, CacheCF, IfPos, InnerProduct, Integrate, LinearForm
 
 from ..arguments import check_item, check_regions, crack_number
 from ..fracture.stress_intensity import disks, follows_pressure, material_at, pressures, solution_field, stays_closed
@@ -88,7 +88,7 @@ class StressIntensityFactor:
             return np.zeros(space.ndof)
         integral, mode, scale = self._integral(solution)
         v, body = space.TestFunction(), solution.body
-        matrix = lambda densities: CF(tuple(densities), dims=(2, 2)).Compile()
+        matrix = lambda densities: CacheCF(CF(tuple(densities), dims=(2, 2)).Compile())  # once at a point, not for each component of ∇v
         inside = matrix(integral.VolumeDensity(self._unit(solution, integral, unit, SIDE), mode) for unit in unit_matrices(2))
         disk = body.dx(definedonelements=integral.elements, space=space)  # of twice the order of the space
         form = LinearForm(InnerProduct(inside, Gradient(v)) * disk)

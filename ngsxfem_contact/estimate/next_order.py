@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import GridFunction, InnerProduct, LinearForm
+from ngsolve import CacheCF, GridFunction, InnerProduct, LinearForm
 
 from .. import _ngsxfem_contact as core
 from ..algebra.conjugate_gradients import Found, conjugate_gradients
@@ -79,7 +79,7 @@ class NextOrder:
         """a(u, v) + ∫λ g_n(v) + ∫λ_t g_t(v) for all functions v of the space, with the stress of u."""
         solution, v = self.solution, self.space.TestFunction()
         power = sum(multiplier * component.jump(v, solution.body) for multiplier, component in zip(multipliers, (NORMAL, TANGENTIAL)))
-        form = LinearForm(InnerProduct(stress, Gradient(v)) * solution.body.dx + power * solution.problem.W.dcrack(space=self.space))
+        form = LinearForm(InnerProduct(CacheCF(stress), Gradient(v)) * solution.body.dx + power * solution.problem.W.dcrack(space=self.space))
         return form.Assemble().vec.FV().NumPy() + spring_forces_on(solution.a, u, self.space)
 
     @cached_property

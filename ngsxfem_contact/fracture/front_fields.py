@@ -15,7 +15,7 @@ import numpy as np
 from ngsolve import CF, CoefficientFunction
 
 from ..arguments import check_function
-from .tip_fields import SIDE, angular_functions
+from .tip_fields import SIDE
 
 if TYPE_CHECKING:
     from ..material import Elasticity
@@ -174,3 +174,12 @@ def modes(material: Elasticity, r: np.ndarray, theta: np.ndarray, kappa: np.ndar
 def matrices(rows: list[list[np.ndarray]]) -> np.ndarray:
     """(n, 3, 3) of nine arrays (n,)."""
     return np.moveaxis(np.array(rows), -1, 0)
+
+
+def angular_functions(kappa: float, c: Any, s: Any) -> tuple[tuple[tuple[Any, Any], tuple[Any, Any]], ...]:
+    """g(θ) and g'(θ), components ahead and to the left, of the two modes √r g, c = cos(θ/2), s = sin(θ/2): arrays or CoefficientFunctions."""
+    first = (c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c))
+    d_first = (s * (-0.5 * (kappa - 1) - s * s + 2 * c * c), c * (0.5 * (kappa + 1) - c * c + 2 * s * s))
+    second = (s * (kappa + 1 + 2 * c * c), -c * (kappa - 1 - 2 * s * s))
+    d_second = (c * (0.5 * (kappa + 1) + c * c - 2 * s * s), s * (0.5 * (kappa - 1) - s * s + 2 * c * c))
+    return (first, d_first), (second, d_second)

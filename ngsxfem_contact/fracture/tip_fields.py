@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import BND, CF, IfPos, sqrt, x, y
 
+from .. import _ngsxfem_contact as core
 from ..spaces.tip_disk import check_off_interface, distance_to_others
 
 if TYPE_CHECKING:
@@ -68,17 +69,8 @@ class TipFrame:
 
     def ModeGradients(self, material: Isotropic, side: str | None = None) -> list[CoefficientFunction]:
         """∂_j u_i of the fields of unit K_I and of unit K_II; side: None by position, or "plus", "minus" of the crack."""
-        H = self.crack.side if side is None else SIDE[side]
-        C, S = half_angle(self.X, self.Y, self.r, self.orientation * H)
-        root = sqrt(self.r)
-        return [self._gradient(material.mu, CF(g), CF(dg)) for g, dg in angular_functions(material.kappa, C / root, S / root)]
-
-    def _gradient(self, mu: float, g: CoefficientFunction, dg: CoefficientFunction) -> CoefficientFunction:
-        """Of √r g(θ) / (2μ√(2π)) in the tip's frame, dg = g'."""
-        cos, sin = self.X / self.r, self.Y / self.r
-        along, across = 0.5 * cos * g - sin * dg, 0.5 * sin * g + cos * dg
-        scale = 1 / (2 * mu * sqrt(2 * pi * self.r))
-        return self._matrix([scale * (along[i] * self.ahead + across[i] * self.left) for i in range(2)])
+        tip, number = self.tip, 0 if side is None else SIDE[side]
+        return [core.TipModeGradient(self.crack, tip.point, tip.ahead, self.orientation, number, mode, material.kappa, material.mu) for mode in range(2)]
 
     def _matrix(self, rows: list[CoefficientFunction]) -> CoefficientFunction:
         """The gradient of a displacement whose components ahead and to the left have these gradients."""
@@ -141,12 +133,3 @@ def distance_along(a: np.ndarray, b: np.ndarray, point: np.ndarray, direction: n
     way = (start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]) / across
     share = (start[:, 0] * direction[1] - start[:, 1] * direction[0]) / across
     return way[(way > 0) & (share >= -1e-12) & (share <= 1 + 1e-12)].min(initial=np.inf)
-
-
-def angular_functions(kappa: float, c: Any, s: Any) -> tuple[tuple[tuple[Any, Any], tuple[Any, Any]], ...]:
-    """g(θ) and g'(θ), components ahead and to the left, of the two modes √r g, c = cos(θ/2), s = sin(θ/2): arrays or CoefficientFunctions."""
-    first = (c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c))
-    d_first = (s * (-0.5 * (kappa - 1) - s * s + 2 * c * c), c * (0.5 * (kappa + 1) - c * c + 2 * s * s))
-    second = (s * (kappa + 1 + 2 * c * c), -c * (kappa - 1 - 2 * s * s))
-    d_second = (c * (0.5 * (kappa + 1) + c * c - 2 * s * s), s * (0.5 * (kappa - 1) - s * s + 2 * c * c))
-    return (first, d_first), (second, d_second)

@@ -13,6 +13,8 @@ from .unknowns import Unknowns
 if TYPE_CHECKING:
     from ngsolve import FESpace
 
+ENOUGH = 1e-3  # of the rules around tips, relative: what is sought in the space are a few digits of an error
+
 
 class HigherOrder:
     """V_h of order k + 1, in which V of order k lies: same parts, same tips, same held boundaries.
@@ -35,7 +37,7 @@ class HigherOrder:
         body, specs, tolerance, flags = core.CrackFESpace.__getstate__(V)
         options = flags.ToDict()
         raised = {name: options[name] + 1 for name in ("order", "orderinner") if name in options}
-        self.V, self.space = V, core.CrackFESpace(body, specs, tolerance, **(options | raised))
+        self.V, self.space = V, core.CrackFESpace(body, specs, max(tolerance, ENOUGH), **(options | raised))
         self.numbers = self._numbers()
         self.surplus = np.ones(self.space.ndof, dtype=bool)
         self.surplus[self.numbers] = False
