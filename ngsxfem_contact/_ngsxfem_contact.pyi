@@ -57,6 +57,7 @@ __all__: list[str] = [
     "TermsOf",
     "Tip",
     "TipBasis",
+    "TipModeGradient",
     "TipSpec",
     "TraceBasis",
     "TraceSpace",
@@ -1088,6 +1089,11 @@ def StressPower(
 
 def TermsOf(form: ngsolve.comp.SumOfIntegrals) -> list[FormTerm]:
     """The FormTerms of a form, one for each integral."""
+
+def TipModeGradient(
+    crack: Crack, point: tuple[float, float], ahead: tuple[float, float], plus_sign: int, side: int, mode: int, kappa: float, mu: float
+) -> ngsolve.fem.CoefficientFunction:
+    """∂_j u_i of the field of unit K_I (mode 0) or K_II (mode 1) at a tip, a 2 x 2 CoefficientFunction. θ has the sign plus_sign on the plus side behind the tip."""
 
 def Variation(form: ngsolve.comp.SumOfIntegrals) -> ngsolve.comp.SumOfIntegrals:
     """An energy whose first and second variations NGSolve's BilinearForm applies, linearises and assembles, over measures of a CrackedMesh or of NGSolve."""

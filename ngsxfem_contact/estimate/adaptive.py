@@ -167,7 +167,7 @@ def SolveAdaptive(
 
     Notes
     -----
-    Cracks stay as they are. Where a mesh is too coarse for them, or refused, it is refined around them (or everywhere) before anything is solved, so that it may begin with a crack
+    Cracks stay as they are, and what touches on a mesh is what the solve on the next one begins with. Where a mesh is too coarse for them, or refused, it is refined around them (or everywhere) before anything is solved, so that it may begin with a crack
     that is shorter than a triangle. NGSolve bisects, and curves the mesh as it was.
     """
     return Refinement(make_problem, mesh, goal, tolerance, max_unknowns, max_levels, fraction, scale).Run()
@@ -264,7 +264,7 @@ class Refinement:
         return self._solved(problem, row)
 
     def _solved(self, problem: ContactProblem, row: Level) -> tuple[np.ndarray, Level]:
-        solution = problem.Solve()
+        solution = problem.Solve(start=None if self.found is None else self.found[0])
         estimate = solution.ErrorEstimate()
         row.energy = row.relative = estimate.relative
         indicators, quantity = estimate.squares, None

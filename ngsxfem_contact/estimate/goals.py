@@ -61,6 +61,7 @@ class StressIntensityFactor:
     def Value(self, solution: ContactSolution) -> float:
         """K in stress × √length."""
         check_item(self.tip, solution.body.tips, "tip", "body.tips")
+        solution.CheckLoad()
         integral, mode, scale = self._integral(solution)
         return 0.0 if self._is_zero(solution) else scale * integral(solution_field(solution, integral.frame), mode)
 

@@ -186,7 +186,6 @@ def disks(frame: TipFrame, solution: ContactSolution, radius: float | None) -> t
         If a disk leaves the body or the material of the tip, meets another crack, a point load or a loaded inner interface, or has less than two elements
         in its radius.
     """
-    solution.CheckLoad()
     room, limit = frame.Clearance(solution.problem.material, solution.load.Obstacles(frame.tip.point) + solution.a.Obstacles(frame.tip.point))
     if radius is None:
         radius = min(0.9 * room, 8 * frame.h)
@@ -220,6 +219,7 @@ class InteractionIntegral:
     def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
         """StressIntensityFactors of the largest domain, with their change over three and with the pressure."""
         frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
+        solution.CheckLoad()
         u, modes, radii = solution_field(solution, frame), list(mode_fields(frame, material)), disks(frame, solution, self.radius)
         integrals = [TipIntegral(solution.problem, frame, radius) for radius in radii]
         scale = 0.5 * material.E_prime
@@ -313,6 +313,7 @@ def t_stress(solution: ContactSolution, tip: int, radius: float | None) -> TStre
     """
     check_item(tip, solution.body.tips, "tip", "body.tips")
     frame, material = TipFrame(solution.body, tip), material_at(solution, tip)
+    solution.CheckLoad()
     u, radii = solution_field(solution, frame), disks(frame, solution, radius)
     force = auxiliary_field(frame, material, dict.fromkeys((None, *SIDE), frame.PointForceGradient(material)))
     strain = np.array([TipIntegral(solution.problem, frame, r)(u, force) for r in radii])

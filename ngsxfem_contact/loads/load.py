@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BND, CF, Integrate, LinearForm, fem
+from ngsolve import CF, Integrate, LinearForm, fem
 
 from .. import _ngsxfem_contact as core
 from ..points import distance_to_segments
@@ -19,7 +19,7 @@ from .terms import (
     coefficient_of_gradient,
     coefficient_of_limits,
     coefficient_of_values,
-    elements_of,
+    inner_interface,
     place_of,
     replaced,
     sample_points,
@@ -27,6 +27,8 @@ from .terms import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ngsolve import BilinearForm, BitArray, CoefficientFunction, GridFunction
 
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, FormTerm
@@ -252,19 +254,24 @@ class LoadTerms:
 
     def Vector(self, V: CrackFESpace) -> np.ndarray:
         """F of these terms, with the values that its coefficients have now; additive."""
-        total = np.zeros(V.ndof)
-        for factor, given in self.parts:
-            form = LinearForm(V)
-            if not isinstance(given, PointLoad):
-                form += V.share.Own(given.form)
-            elif given.IsOwn(V):
-                form += given.form
-            total += factor * form.Assemble().vec.FV().NumPy()
-        return total
+        return assembled(self, V, lambda given: given.form if isinstance(given, PointLoad) else V.share.Own(given.form), lambda point: point.IsOwn(V))
 
     def Obstacles(self, point: tuple[float, float]) -> list[tuple[float, str]]:
         """What a domain of integration around a point must not meet: pairs (distance, what)."""
         return [given.Obstacle(point) for factor, given in self.parts if factor]
+
+
+def assembled(load: LoadTerms, V: CrackFESpace, form_of: Callable[..., Any], counts: Callable[[PointLoad], bool] = lambda point: True) -> np.ndarray:
+    """F of LoadTerms on a space, form_of(part) their linear forms there: the integrals at once, and the points that count, for this process."""
+    integrals, points = LinearForm(V), np.zeros(V.ndof)
+    for factor, given in load.parts:
+        if not isinstance(given, PointLoad):
+            integrals += form_of(given) if factor == 1 else float(factor) * form_of(given)
+        elif counts(given):
+            point = LinearForm(V)
+            point += form_of(given)
+            points += factor * point.Assemble().vec.FV().NumPy()
+    return integrals.Assemble().vec.FV().NumPy() + points
 
 
 def check_unchanged(load: LoadTerms, F: np.ndarray, V: CrackFESpace, when: str) -> None:
@@ -282,13 +289,6 @@ def check_symmetric_stress(form: LoadForm) -> None:
         xx, xy, yx, yy = (np.ravel(given.stress[i, j](sample_points(given.term))) for i in (0, 1) for j in (0, 1))
         if not np.allclose(xy, yx, atol=1e-10 * np.abs([xx, xy, yx, yy]).max(initial=0), equal_nan=True):
             raise ValueError("ContactProblem: initial_stress is not symmetric; give CF((xx, xy, xy, yy), dims=(2, 2))")
-
-
-def inner_interface(term: FormTerm) -> tuple[np.ndarray, np.ndarray]:
-    """The ends a, b (n, 2) of the boundary elements of a term over the boundary that lie inside of the body."""
-    mesh, chosen = term.body.mesh, elements_of(term)
-    inner = [el for el in mesh.Elements(BND) if chosen[el.nr] and len(mesh[el.edges[0]].elements) > 1]
-    return tuple(np.array([mesh[el.vertices[i]].point for el in inner]).reshape(-1, 2) for i in range(2))
 
 
 class StiffnessForm:

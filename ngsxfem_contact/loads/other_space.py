@@ -9,7 +9,7 @@ from ngsolve import LinearForm
 
 from .. import _ngsxfem_contact as core
 from ..pickling import functional_of, operator_of, proxy_of
-from .load import PointLoad
+from .load import PointLoad, assembled
 from .supports import Supports
 from .terms import replaced, tested
 
@@ -26,12 +26,7 @@ if TYPE_CHECKING:
 
 def load_on(load: LoadTerms, space: CrackFESpace) -> np.ndarray:
     """F of LoadTerms on another space, with the values that coefficients have now."""
-    total = np.zeros(space.ndof)
-    for factor, given in load.parts:
-        form = LinearForm(space)
-        form += given_on(given, space)
-        total += factor * form.Assemble().vec.FV().NumPy()
-    return total
+    return assembled(load, space, lambda given: given_on(given, space))
 
 
 def given_on(given: GivenTerm | PointLoad, space: CrackFESpace) -> SumOfIntegrals | PointEvaluationFunctional:

@@ -256,3 +256,10 @@ def fields_of(term: FormTerm) -> list[Callable[..., Any]]:
     if place_of(term) == "crack":
         return [u.Operator for pair in unit_limits(d) for u in pair]
     return [{"Id": e, "grad": g}.get for e, g in zip(unit_vectors(d), unit_matrices(d))]
+
+
+def inner_interface(term: FormTerm) -> tuple[np.ndarray, np.ndarray]:
+    """The ends a, b (n, 2) of the boundary elements of a term over the boundary that lie inside of the body."""
+    mesh, chosen = term.body.mesh, elements_of(term)
+    inner = [el for el in mesh.Elements(BND) if chosen[el.nr] and len(mesh[el.edges[0]].elements) > 1]
+    return tuple(np.array([mesh[el.vertices[i]].point for el in inner]).reshape(-1, 2) for i in range(2))
