@@ -123,8 +123,11 @@ def main():
         found, seconds = adaptive(points, sigma, StressIntensityFactor(FACTORS[larger], tip), options.tolerance, max(np.abs(truth.K)))
         K = tuple(found.solution.StressIntensity(tip))
         run = Run(found.solution.problem.V.ndof, seconds, K)
-        print(f"   adaptive, {FACTORS[larger]}        {run.unknowns:6} unknowns {seconds:6.2f} s   true error of it {abs(abs(found.quantity.value) - abs(truth.K[larger])) / abs(truth.K[larger]):.1e}, "
-              f"of both {max(abs(np.abs(K) - np.abs(truth.K))) / max(np.abs(truth.K)):.1e}; {len(found.levels)} meshes, the last {found.levels[-1].seconds:.2f} s", flush=True)
+        print(
+            f"   adaptive, {FACTORS[larger]}        {run.unknowns:6} unknowns {seconds:6.2f} s   true error of it {abs(abs(found.quantity.value) - abs(truth.K[larger])) / abs(truth.K[larger]):.1e}, "
+            f"of both {max(abs(np.abs(K) - np.abs(truth.K))) / max(np.abs(truth.K)):.1e}; {len(found.levels)} meshes, the last {found.levels[-1].seconds:.2f} s",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -648,6 +648,9 @@ class CrackedSolid:
     def FrontElements(self, crack: int) -> set[int]:
         """Numbers of the elements whose closure holds a stretch of a front of a crack."""
 
+    def LimitOnCrack(self, function: ngsolve.fem.CoefficientFunction, side: int) -> ngsolve.fem.CoefficientFunction:
+        """The limit of a function on the sheets from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there."""
+
     def Links(self, face: int) -> list[typing.Annotated[list[int], "FixedSize(2)"]]:
         """Pairs of parts of the two elements beside a face of the mesh that hang together across it."""
 

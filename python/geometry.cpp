@@ -248,7 +248,7 @@ static void ExportCrackedMesh (py::module & m)
          "1 in the larger parts beside the cracks, 0 elsewhere, a CoefficientFunction: by the position of a point (None), on the cracks for their \"plus\" or \"minus\" side.\n"
          "\nRaises\n------\nValueError\n    For another side.")
     .def("LimitOnCrack", [] (shared_ptr<CrackedMesh> b, shared_ptr<CoefficientFunction> function, int side) -> shared_ptr<CoefficientFunction>
-         { return make_shared<CrackLimit>(b, function, side); }, py::arg("function"), py::arg("side"),
+         { return make_shared<CrackLimit<CrackedMesh>>(b, function, side); }, py::arg("function"), py::arg("side"),
          "The limit of a function on the cracks from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.")
     .def_property_readonly("crack_number", [] (shared_ptr<CrackedMesh> b) -> shared_ptr<CoefficientFunction>
          { return make_shared<CrackLabel<CrackedMesh>>(b, Label::CrackNumber); },

@@ -151,6 +151,9 @@ static void ExportSolid (py::module & m)
     .def_property_readonly("larger_side", [] (Body b) -> shared_ptr<CoefficientFunction>
          { return make_shared<CrackLabel<Solid>>(b, Label::LargerSide); },
          "On the cracks +1 or -1, the side of the larger part of the element: a CoefficientFunction.")
+    .def("LimitOnCrack", [] (Body b, shared_ptr<CoefficientFunction> function, int side) -> shared_ptr<CoefficientFunction>
+         { return make_shared<CrackLimit<Solid>>(b, function, side); }, py::arg("function"), py::arg("side"),
+         "The limit of a function on the sheets from the plus (1) or minus side (-1), or that of the larger part (0): a CoefficientFunction, for functions that jump there.")
     .def_property_readonly("crack_number", [] (Body b) -> shared_ptr<CoefficientFunction>
          { return make_shared<CrackLabel<Solid>>(b, Label::CrackNumber); },
          "On the cracks the number of the crack: a CoefficientFunction.")

@@ -45,7 +45,8 @@ namespace ngsxfem_contact
     ArchiveBody(ar, body);
   }
 
-  void CrackLimit :: DoArchive (Archive & ar)
+  template <typename BODY>
+  void CrackLimit<BODY> :: DoArchive (Archive & ar)
   {
     CoefficientFunctionNoDerivative::DoArchive(ar);
     ArchiveBody(ar, body);
@@ -65,7 +66,8 @@ namespace ngsxfem_contact
   static ngcore::RegisterClassForArchive<CrackFrame<CrackedSolid>, CoefficientFunction> register_solid_frame;
   static ngcore::RegisterClassForArchive<CrackLabel<CrackedSolid>, CoefficientFunction> register_solid_label;
   static ngcore::RegisterClassForArchive<LargerPart, CoefficientFunction> register_larger_part;
-  static ngcore::RegisterClassForArchive<CrackLimit, CoefficientFunction> register_limit;
+  static ngcore::RegisterClassForArchive<CrackLimit<CrackedMesh>, CoefficientFunction> register_limit;
+  static ngcore::RegisterClassForArchive<CrackLimit<CrackedSolid>, CoefficientFunction> register_solid_limit;
   static ngcore::RegisterClassForArchive<CrackSide, CoefficientFunction> register_side;
 
   namespace
@@ -164,30 +166,34 @@ namespace ngsxfem_contact
       values(0, i) = SIMD<double>([&] (int lane) { return At(element, IntegrationPoint(mir.IR()[i](0)[lane], mir.IR()[i](1)[lane], 0, 0)); });
   }
 
-  CrackLimit :: CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside)
+  template <typename BODY>
+  CrackLimit<BODY> :: CrackLimit (shared_ptr<const BODY> abody, shared_ptr<CoefficientFunction> afunction, int aside)
     : CoefficientFunctionNoDerivative(afunction->Dimension()), body(abody), function(afunction), side(aside)
   { SetDimensions(function->Dimensions()); }
 
-  double CrackLimit :: Evaluate (const BaseMappedIntegrationPoint & ip) const
+  template <typename BODY>
+  double CrackLimit<BODY> :: Evaluate (const BaseMappedIntegrationPoint & ip) const
   {
     Vector<> value(Dimension());
     Evaluate(ip, value);
     return value(0);
   }
 
-  void CrackLimit :: Evaluate (const BaseMappedIntegrationPoint & bip, FlatVector<> result) const
+  template <typename BODY>
+  void CrackLimit<BODY> :: Evaluate (const BaseMappedIntegrationPoint & bip, FlatVector<> result) const
   {
-    auto & ip = static_cast<const MappedIntegrationPoint<2,2>&>(bip);
-    Point x(ip.GetPoint()(0), ip.GetPoint()(1));
+    auto & ip = static_cast<const MappedIntegrationPoint<D,D>&>(bip);
+    auto x = PointOf<D>(ip);
     auto cut = body->Find(ip.GetTransformation().GetElementNr());
     if (!cut) return function->Evaluate(bip, result);
     auto sides = cut->SidesAt(x);
-    Point step = 1e-6*(side ? side : sides.larger_side)*cut->h*body->FrameAt(sides.crack, x).normal;
-    Vec<2> off = ip.GetJacobianInverse() * Vec<2>(step(0), step(1));
+    Vec<D> step = 1e-6*(side ? side : sides.larger_side)*cut->h*body->FrameAt(sides.crack, x).normal;
+    Vec<D> off = ip.GetJacobianInverse() * step;
     auto at = [&] (double factor, FlatVector<> values)
     {
-      IntegrationPoint moved(ip.IP()(0)+factor*off(0), ip.IP()(1)+factor*off(1), 0, 0);
-      MappedIntegrationPoint<2,2> mapped(moved, ip.GetTransformation());
+      IntegrationPoint moved = ip.IP();
+      for (int k = 0; k < D; k++) moved(k) += factor*off(k);
+      MappedIntegrationPoint<D,D> mapped(moved, ip.GetTransformation());
       function->Evaluate(mapped, values);
     };
     Vector<> farther(result.Size());
@@ -195,6 +201,9 @@ namespace ngsxfem_contact
     at(2, farther);
     result = 2*result - farther;
   }
+
+  template class CrackLimit<CrackedMesh>;
+  template class CrackLimit<CrackedSolid>;
 
   double CrackSide :: Evaluate (const BaseMappedIntegrationPoint & ip) const
   {

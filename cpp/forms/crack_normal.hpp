@@ -64,14 +64,16 @@ namespace ngsxfem_contact
 
   /// The limit of a function on Γ_C from one side, for functions that jump there: ±1, or 0 for the side of the larger part. It is extrapolated from two
   /// points beside the crack, so that linear functions are exact.
+  template <typename BODY>
   class CrackLimit : public ngfem::CoefficientFunctionNoDerivative
   {
-    shared_ptr<const CrackedMesh> body;
+    static constexpr int D = BODY::dimension;
+    shared_ptr<const BODY> body;
     shared_ptr<CoefficientFunction> function;
     int side = 0;
   public:
     CrackLimit () : CoefficientFunctionNoDerivative(1) { }
-    CrackLimit (shared_ptr<const CrackedMesh> abody, shared_ptr<CoefficientFunction> afunction, int aside);
+    CrackLimit (shared_ptr<const BODY> abody, shared_ptr<CoefficientFunction> afunction, int aside);
     void DoArchive (ngcore::Archive & ar) override;
     using CoefficientFunctionNoDerivative::Evaluate;
     double Evaluate (const ngfem::BaseMappedIntegrationPoint & ip) const override;

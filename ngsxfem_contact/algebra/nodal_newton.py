@@ -35,20 +35,20 @@ FREE, SLIP_PLUS, SLIP_MINUS, STICK = 0, 1, -1, 2
 
 @dataclass(frozen=True)
 class Threshold:
-    """s = base + slope |p_n| at each node, arrays ≥ 0; in_contact_only: zero at nodes that are not in contact."""
+    """s = base + slope |p_n| at each node, arrays ≥ 0; in_contact_only, at all nodes or (n,): zero where a node is not in contact."""
 
     base: np.ndarray
     slope: np.ndarray
-    in_contact_only: bool = False
+    in_contact_only: bool | np.ndarray = False
 
     @property
     def is_fixed(self) -> bool:
         """Whether s does not depend on the solution."""
-        return not self.in_contact_only and not self.slope.any()
+        return not np.any(self.in_contact_only) and not self.slope.any()
 
     def At(self, p_n: np.ndarray, contact: np.ndarray) -> np.ndarray:
         """s for normal values and nodes in contact."""
-        base = np.where(contact, self.base, 0) if self.in_contact_only else self.base
+        base = np.where(contact | ~np.asarray(self.in_contact_only), self.base, 0)
         return base + self.slope * np.where(contact, np.maximum(-p_n, 0), 0)
 
     def Scaled(self, factor: float) -> Threshold:

@@ -1,4 +1,4 @@
-"""Friction on sheets in space: Tresca's and Coulomb's laws with the tangential multiplier in a disk (docs/method.md, section 15)."""
+"""Friction on sheets in space: Tresca's and Coulomb's laws, by sheet, with the tangential multiplier in a disk (docs/method.md, section 15)."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ import numpy as np
 
 from ..algebra.active_set import solve_equalities
 from ..algebra.disk_newton import DiskProblem, DiskResult, fixed_point, solve_disks
-from ..algebra.nodal_methods import FixedPoint
+from ..algebra.nodal_methods import FixedPoint, FullNewton, NodalMethod
+from ..algebra.nodal_newton import Threshold
 from ..operators import FIRST_TANGENTIAL, NORMAL, SECOND_TANGENTIAL
 from .faces import FaceWork
-from .friction import first_contact
+from .friction import Frictionless, first_contact
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..protocols import Cone, Nodes
     from .faces import Faces, Scales
     from .friction import Friction
     from .report import Report
@@ -27,10 +31,10 @@ class DiskFriction:
     Parameters
     ----------
     law
-        Tresca or Coulomb.
+        Tresca or Coulomb, or a FrictionByCrack.
     """
 
-    law: Friction
+    law: Friction | FrictionByCrack
 
     components = (NORMAL, FIRST_TANGENTIAL, SECOND_TANGENTIAL)
     depends_on_path = True
@@ -89,6 +93,44 @@ class DiskFriction:
         y = traction - moved
         projected = s / np.maximum(np.maximum(s, np.linalg.norm(y[1:], axis=0)), np.finfo(float).tiny) * y[1:]
         return float(max(np.abs(traction[0] - np.minimum(0, y[0])).max(initial=0), np.abs(traction[1:] - projected).max(initial=0)))
+
+
+class FrictionByCrack:
+    """Each sheet its threshold.
+
+    Parameters
+    ----------
+    laws
+        Tresca, Coulomb or Frictionless by the number of the sheet; on all others there is no friction.
+
+    Raises
+    ------
+    ValueError
+        For laws that are solved by different methods.
+    """
+
+    def __init__(self, laws: Mapping[int, Friction | Frictionless]) -> None:
+        self.laws = {crack: law for crack, law in laws.items() if not isinstance(law, Frictionless)}
+        methods = {repr(law.method): law.method for law in self.laws.values()}
+        if len(methods) > 1:
+            raise ValueError(f"ContactProblem: the laws {laws} are solved by different methods, {' and '.join(methods)}; give all the same method=")
+        self.method: NodalMethod = next(iter(methods.values()), FullNewton())
+
+    def __repr__(self) -> str:
+        return f"{self.laws}, on others Frictionless()"
+
+    @property
+    def follows_pressure(self) -> bool:
+        """Whether all thresholds do."""
+        return all(getattr(law, "follows_pressure", False) for law in self.laws.values())
+
+    def Threshold(self, nodes: Nodes, cone: Cone) -> Threshold:
+        """At each node that of its sheet."""
+        base, slope, in_contact_only = np.zeros(len(nodes)), np.zeros(len(nodes)), np.zeros(len(nodes), dtype=bool)
+        for crack, law in self.laws.items():
+            here, own = nodes.cracks == crack, law.Threshold(nodes, cone)
+            base[here], slope[here], in_contact_only[here] = own.base[here], own.slope[here], own.in_contact_only
+        return Threshold(base, slope, in_contact_only)
 
 
 def slip_since(w: np.ndarray, faces: Faces) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from ngsolve import CoefficientFunction, InnerProduct, Parameter
 
@@ -25,10 +25,10 @@ from .contact_system import ContactSystem
 from .descriptions import of_problem
 from .friction import Frictionless
 from .mixed_system import MixedSystem
-from .nodal_law import LawByCrack, NodalLaw
+from .nodal_law import NodalLaw
 from .options import Start, StepOptions
 from .problem_data import check_modes, given_stresses, law_of, material_of
-from .solids import check_supported, law_in
+from .solids import check_supported, law_at_nodes, law_in
 from .solution import ContactSolution
 from .solver import ReducedProblem
 from .stabilisation import BarbosaHughes, Unstabilised, softened, trait
@@ -64,7 +64,7 @@ class ContactProblem(Described):
         Of the faces: None (default), contact without friction; Tresca(s), Coulomb(mu_f), MohrCoulomb, Joint, BartonBandis, LinearCohesive, ExponentialCohesive,
         Dugdale; or {number or name of a crack: its law}, None on the others.
     initial_stress
-        σ⁰, a symmetric 2 × 2 CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
+        σ⁰, a symmetric 2 × 2 (in space 3 × 3) CoefficientFunction, a stress: the stress of the body is σ(u) + σ⁰.
     temperature
         ΔT, a number or CoefficientFunction, the change since the body was free of stress; the material needs alpha=.
     friction
@@ -125,7 +125,7 @@ class ContactProblem(Described):
             check_role(stabilisation, Stabilisation, "ContactProblem: stabilisation", "an object such as BarbosaHughes()")
         decide(V, material)
         check_modes(V, material)
-        check_supported(V, material, stabilisation, (initial_stress, temperature))
+        check_supported(V, material, stabilisation)
         warn_of_locking(V, material, stabilisation)
         self.V, self.W, self.material = V, W, material
         self.stabilisation: Stabilisation = stabilisation if stabilisation is not None and V.body.cracks else Unstabilised()
@@ -150,9 +150,8 @@ class ContactProblem(Described):
         law = self.law
         if isinstance(law, NodalLaw) or law.components == (NORMAL,):
             return self
-        check_role(law, LawAtNodes, "ContactProblem: parts of the body that only faces hold need a law with At(nodes); law", "a law such as Coulomb(mu_f)")
         problem = copy(self)
-        problem.law = LawByCrack({}, cast(LawAtNodes, law))
+        problem.law = law_at_nodes(self.V, law)
         return problem
 
     @property

@@ -38,16 +38,18 @@ check_modes.register(SolidFESpace, SolidFESpace.CheckModes)
 
 
 def given_stresses(material: Isotropic, initial_stress: Any, temperature: Any) -> Iterator[CoefficientFunction]:
-    """The stresses σ⁰ of initial_stress= and temperature=, 2 × 2 CoefficientFunctions."""
+    """The stresses σ⁰ of initial_stress= and temperature=, CoefficientFunctions of 2 × 2, in space 3 × 3."""
     if initial_stress is not None:
-        initial_stress = check_function(initial_stress, "ContactProblem: initial_stress", 4)
-        if tuple(initial_stress.dims) != (2, 2):
-            raise ValueError("ContactProblem: initial_stress must be a 2 × 2 matrix, CF((xx, xy, xy, yy), dims=(2, 2))")
+        d = material.dimension
+        initial_stress = check_function(initial_stress, "ContactProblem: initial_stress", d * d)
+        if tuple(initial_stress.dims) != (d, d):
+            entries = "xx, xy, xy, yy" if d == 2 else "xx, xy, xz, xy, yy, yz, xz, yz, zz"
+            raise ValueError(f"ContactProblem: initial_stress must be a {d} × {d} matrix, CF(({entries}), dims=({d}, {d}))")
         check_no_function(initial_stress)
         yield initial_stress
     if temperature is not None:
         if isinstance(material.alpha, Real) and material.alpha == 0:
-            raise ValueError("ContactProblem: temperature= needs a material that expands: Elasticity.PlaneStrain(E, nu, alpha=...)")
+            raise ValueError("ContactProblem: temperature= needs a material that expands: give it alpha=, as in Elasticity.PlaneStrain(E, nu, alpha=...)")
         yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
 
 

@@ -11,6 +11,7 @@ from ngsolve import IfPos
 from .. import _ngsxfem_contact as core
 from ..fracture.front_fields import FrontField
 from ..fracture.front_stress_intensity import FrontFactors, front_factors
+from ..fracture.given_stress import elements_near_fronts, stress_derivatives
 from ..operators import Gradient
 from ..sheets import check_plane
 from ..tables import Table
@@ -77,7 +78,7 @@ def solution_in_space(V: core.SolidFESpace) -> type[ContactSolution]:
     return SolidSolution
 
 
-def front_field(solution: ContactSolution) -> FrontField:
+def front_field(solution: SolidSolution) -> FrontField:
     """What integrals around fronts read of a solution. Raises ValueError for a coefficient of the load that has changed since the solve.
 
     On closed lips σn is what contact and friction say, λ n + λ_t, beside the tractions that are given: σ(u⁺)n = λ n + λ_t - t⁺, σ(u⁻)n = λ n + λ_t + t⁻. How far the mean
@@ -89,8 +90,12 @@ def front_field(solution: ContactSolution) -> FrontField:
     if solution.tangential_multiplier is not None:
         contact = contact + solution.tangential_multiplier
     traction = {"plus": contact - given.plus, "minus": contact + given.minus}
+    stress = solution.load.stress
     found = [solution.ElasticStress(side) * body.normal for side in SIDES]
+    change = None
+    if stress is not None:
+        found = [traction_of + body.LimitOnCrack(stress, sign) * body.normal for traction_of, sign in zip(found, (1, -1))]
+        change = tuple(stress_derivatives(stress, solution.problem.V, elements_near_fronts(body), "a front"))
     doubt = 0.5 * (traction["plus"] + traction["minus"] - found[0] - found[1])
-    return FrontField(
-        Gradient(u), {side: Gradient(u, side) for side in SIDES}, traction, pressure, IfPos(-1 * pressure, doubt, 0 * doubt), solution.load.BodyForces()
-    )
+    faces = {side: Gradient(u, side) for side in SIDES}
+    return FrontField(Gradient(u), faces, traction, pressure, IfPos(-1 * pressure, doubt, 0 * doubt), solution.load.BodyForces(), stress, change)

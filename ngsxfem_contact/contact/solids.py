@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from functools import singledispatch
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from .. import _ngsxfem_contact as core
-from .disk_friction import DiskFriction
+from ..protocols import LawAtNodes, check_role
+from .disk_friction import DiskFriction, FrictionByCrack
 from .friction import Friction, Frictionless
+from .nodal_law import LawByCrack
 from .stabilisation import trait
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from ..material import Isotropic
     from ..protocols import FaceLaw
 
@@ -20,19 +20,17 @@ MOST_UNKNOWNS, MOST_MULTIPLIERS = 200_000, 5_000  # a sparse factorisation takes
 
 
 @singledispatch
-def check_supported(V: core.CrackFESpace, material: Isotropic, stabilisation: Any, given: Sequence[Any]) -> None:
-    """Raises ValueError for materials, stabilisations and given stresses that there are not for a body; a plane one has all."""
+def check_supported(V: core.CrackFESpace, material: Isotropic, stabilisation: Any) -> None:
+    """Raises ValueError for materials and stabilisations that there are not for a body; a plane one has all."""
 
 
 @check_supported.register(core.SolidFESpace)
-def check_solid(V: core.SolidFESpace, material: Isotropic, stabilisation: Any, given: Sequence[Any]) -> None:
+def check_solid(V: core.SolidFESpace, material: Isotropic, stabilisation: Any) -> None:
     """Raises ValueError for those that are there for plane bodies only."""
     if material.nearly_incompressible:
         raise ValueError(f"ContactProblem: {material} is nearly incompressible, which bodies in space cannot be yet; take nu <= 0.45")
     if stabilisation is not None and trait(stabilisation, "System") is not None:
         raise ValueError(f"ContactProblem: {stabilisation} is there for plane bodies only; take BarbosaHughes()")
-    if any(stress is not None for stress in given):
-        raise ValueError("ContactProblem: initial_stress and temperature are there for plane bodies only")
 
 
 @singledispatch
@@ -48,7 +46,27 @@ def law_in_space(V: core.SolidFESpace, law: FaceLaw) -> FaceLaw:
         return law
     if isinstance(law, Friction):
         return DiskFriction(law)
-    raise ValueError(f"ContactProblem: the law {law} is there for plane bodies only; in space take None, Tresca(s) or Coulomb(mu_f), the same for all sheets")
+    if isinstance(law, LawByCrack) and all(isinstance(own, Frictionless | Friction) for own in law.laws.values()):
+        laws = {crack: own for crack, own in law.laws.items() if isinstance(own, Frictionless | Friction)}
+        return DiskFriction(FrictionByCrack(laws)) if any(isinstance(own, Friction) for own in laws.values()) else Frictionless()
+    raise ValueError(
+        f"ContactProblem: the law {law} is there for plane bodies only; in space take None, Tresca(s) or Coulomb(mu_f), or a mapping of them, {{sheet: law}}"
+    )
+
+
+@singledispatch
+def law_at_nodes(V: core.CrackFESpace, law: FaceLaw) -> FaceLaw:
+    """The same law, holding node by node. Raises TypeError for one that does not."""
+    check_role(law, LawAtNodes, "ContactProblem: parts of the body that only faces hold need a law with At(nodes); law", "a law such as Coulomb(mu_f)")
+    return LawByCrack({}, cast(LawAtNodes, law))
+
+
+@law_at_nodes.register(core.SolidFESpace)
+def law_at_nodes_in_space(V: core.SolidFESpace, law: FaceLaw) -> FaceLaw:
+    """Raises ValueError."""
+    raise ValueError(
+        "ContactProblem: in space a part of the body that only friction holds is not solved for: hold it by a support, or by soft springs in problem.a"
+    )
 
 
 @singledispatch

@@ -150,7 +150,7 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         Returns
         -------
         CoefficientFunction
-            A 2 × 2 matrix.
+            A 2 × 2 matrix, in space 3 × 3.
         """
         elastic, given = self.ElasticStress(side), self.load.stress
         return elastic if given is None else elastic + given
@@ -166,7 +166,7 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         Returns
         -------
         CoefficientFunction
-            A 2 × 2 matrix.
+            A 2 × 2 matrix, in space 3 × 3.
         """
         elastic = stress(self.problem.material, self.u, side)
         return elastic if self._pressure is None else elastic + self._pressure.At(side) * Id(self.body.mesh.dim)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CF, H1, L2, GridFunction, IfPos, InnerProduct, Integrate, grad
+from ngsolve import IfPos, InnerProduct
 
 from .. import _ngsxfem_contact as core
 from ..arguments import check_item, check_number, check_whole
@@ -21,13 +21,14 @@ from ..operators import NORMAL, TANGENTIAL, Gradient, NormalGap, NormalStress, S
 from ..points import crack_points
 from ..spaces.unknowns import Unknowns
 from .factor_error import reported_error
+from .given_stress import stress_derivatives
 from .tip_fields import SIDE, TipFrame
 from .tip_integral import GivenStress, TipField, TipIntegral, auxiliary_field, elements_within, mode_fields
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ngsolve import CoefficientFunction
+    from ngsolve import CoefficientFunction, GridFunction
 
     from ..contact.solution import ContactSolution
     from ..material import Elasticity, Isotropic
@@ -139,19 +140,9 @@ def given_stress(solution: ContactSolution, frame: TipFrame) -> GivenStress | No
     given = solution.load.stress
     if given is None:
         return None
-    share, mesh, order, parts = solution.problem.V.share, solution.body.mesh, solution.problem.V.order + 2, []
-    near = solution.body.dx(definedonelements=elements_within(mesh, frame.tip.point, 3 * frame.h))
-    for component in given.Reshape((4,)):
-        projected, continuous = (GridFunction(space(mesh, order=order)) for space in (L2, H1))
-        for function in (projected, continuous):
-            function.Set(component)
-        jump, size = (Integrate(f * f * near, mesh) for f in (projected - continuous, projected))
-        if share.Max(jump - 1e-6 * size) > 0:
-            raise ValueError(
-                f"the given stress jumps near the tip {frame.tip.point}, so that K, G and T-stress cannot be told; give a continuous one there, such as a GridFunction of H1"
-            )
-        parts.append(InnerProduct(grad(projected), frame.ahead))
-    return GivenStress(given, CF(tuple(parts), dims=(2, 2)))
+    near = elements_within(solution.body.mesh, frame.tip.point, 3 * frame.h)
+    derivatives = stress_derivatives(given, solution.problem.V, near, f"the tip {frame.tip.point}")
+    return GivenStress(given, frame.tip.ahead[0] * derivatives[0] + frame.tip.ahead[1] * derivatives[1])
 
 
 def pressures(solution: ContactSolution) -> tuple[GridFunction, CoefficientFunction]:

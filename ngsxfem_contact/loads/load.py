@@ -84,10 +84,7 @@ class LoadForm(LinearForm):
             raise ValueError(f"{NAME_F}: a linear form holds no trial function; springs and elastic joints are added to {NAME_A}")
         for term in terms:
             check_linear(term, NAME_F)
-        given = [GivenTerm(term) for term in terms]
-        if self.V.mesh.dim == 3 and any(one.stress is not None for one in given):
-            raise ValueError(f"{NAME_F}: given stresses, terms in Grad(v), are there for plane bodies only")
-        return given
+        return [GivenTerm(term) for term in terms]
 
     def Vector(self) -> np.ndarray:
         """F of (38), an array, additive."""
@@ -286,9 +283,10 @@ def check_unchanged(load: LoadTerms, F: np.ndarray, V: CrackFESpace, when: str) 
 def check_symmetric_stress(form: LoadForm) -> None:
     """Raises ValueError for an initial stress, as a LoadForm, whose matrix is not symmetric."""
     for given in form.given:
-        xx, xy, yx, yy = (np.ravel(given.stress[i, j](sample_points(given.term))) for i in (0, 1) for j in (0, 1))
-        if not np.allclose(xy, yx, atol=1e-10 * np.abs([xx, xy, yx, yy]).max(initial=0), equal_nan=True):
-            raise ValueError("ContactProblem: initial_stress is not symmetric; give CF((xx, xy, xy, yy), dims=(2, 2))")
+        d = form.V.mesh.dim
+        stress = np.stack([np.ravel(component(sample_points(given.term))) for component in given.stress.Reshape((d * d,))]).reshape(d, d, -1)
+        if not np.allclose(stress, stress.swapaxes(0, 1), atol=1e-10 * np.abs(stress).max(initial=0), equal_nan=True):
+            raise ValueError(f"ContactProblem: initial_stress is not symmetric; give the same σ_ij and σ_ji in CF(..., dims=({d}, {d}))")
 
 
 class StiffnessForm:

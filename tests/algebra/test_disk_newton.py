@@ -62,4 +62,15 @@ def test_a_fixed_point_finds_the_same():
 def test_steps_that_are_not_enough_are_said():
     problem = random_problem(4, tresca)
     with pytest.raises(NotConverged, match="friction: Newton's method left a residual"):
-        solve_disks(problem, np.zeros((3, len(problem.q) // 3)), 1)
+        newton(problem, np.zeros((3, len(problem.q) // 3)), 1)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_nodes_that_all_stick(seed):
+    """Exactly: an affine problem whose solution is a constant traction inside of the disks, with rows of very different size, as slivers make them; Newton's method alone may cycle."""
+    problem = random_problem(seed, coulomb)
+    m = len(problem.q) // 3
+    size = np.tile(10.0 ** np.random.default_rng(seed).uniform(-4, 0, m), 3)
+    Q, p = problem.Q * size * size[:, None], np.repeat([-3.0, -0.5, 0.1], m) / size
+    result = solve_disks(DiskProblem(Q, -Q @ p, problem.threshold), np.zeros((3, m)), 60)
+    assert np.allclose(result.p.ravel() * size, p * size, rtol=1e-8) and not result.slip.any()

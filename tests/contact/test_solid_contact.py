@@ -253,11 +253,6 @@ def test_what_is_not_there_in_space():
             (lambda: ContactProblem(V, W, Elasticity.PlaneStrain(E=1, nu=0.3)), ValueError, "is another one than|is a material of the plane"),
             (lambda: ContactProblem(CrackFESpace(body, front=None), W, Elasticity.Solid(E=1, nu=0.49)), ValueError, "nearly incompressible"),
             (lambda: ContactProblem(V, W, initial_stress=CF((1, 0, 0, 1), dims=(2, 2))), ValueError, "initial_stress"),
-            (
-                lambda: problem.f.__iadd__(InnerProduct(CF((1, 0, 0, 0, 1, 0, 0, 0, 1), dims=(3, 3)), __import__("ngsolve").Grad(v)) * body.dx),
-                ValueError,
-                "given stresses",
-            ),
             (lambda: problem.f.__iadd__(CF((1, 0)) * v * body.dx), Exception, "dim"),
             (lambda: problem.SetDirichlet((0, 0), "outer"), ValueError, "3"),
             (lambda: problem.FacePressure((1, 2, 3)), ValueError, "must be a scalar"),

@@ -106,14 +106,46 @@ def test_load_steps_remember_slip():
     assert forward.TangentialForce()[0] == pytest.approx(0.05, rel=1e-2) and len(steps.table) == 3
 
 
+def two_pennies(law):
+    """Pressed and sheared, one above the other."""
+    body = CrackedMesh(cube_mesh(0.15), *(Sheet.Disk((0.5, 0.5, height), (0, 0, 1), 0.25) for height in (0.283, 0.717)))
+    problem = ContactProblem(CrackFESpace(body, dirichlet="outer", front=None, material=MATERIAL), TraceSpace(body), law=law)
+    problem.SetDirichlet(uniform_stress(MATERIAL, stress_matrix(zz=-1, xz=0.5)).At((0.5, 0.5, 0.5)).u, "outer")
+    return problem
+
+
+def test_each_sheet_its_law():
+    """Two sheets with the same law are one law; a law of one sheet acts there, and the other one slides freely or by its own."""
+    same, one = two_pennies({0: Coulomb(0.2), 1: Coulomb(0.2)}).Solve(), two_pennies(Coulomb(0.2)).Solve()
+    assert np.allclose(same.state.L, one.state.L, rtol=1e-10, atol=1e-12)
+    solution = two_pennies({0: Coulomb(0.3), 1: Tresca(0.01)}).Solve()
+    L, sheets = solution.state.L.reshape(3, -1), solution.state.nodes.cracks
+    size = np.hypot(*L[1:])
+    assert np.allclose(size[sheets == 1], 0.01, rtol=1e-9) and np.allclose(size[sheets == 0], -0.3 * L[0, sheets == 0], rtol=1e-9)
+    free = two_pennies({0: Coulomb(0.9)}).Solve()
+    L = free.state.L.reshape(3, -1)
+    assert not L[1:, sheets == 1].any() and np.allclose(np.hypot(*L[1:, sheets == 0]), 0.5, atol=0.05) and abs(free.DissipatedEnergy()) < 1e-9
+    assert "Coulomb" in str(free.problem.law)
+
+
+def test_a_block_that_only_friction_holds():
+    """Refused by name."""
+    body = CrackedMesh(MakeStructured3DMesh(hexes=False, nx=2, ny=2, nz=4), plane(0.3), plane(0.8))
+    problem = ContactProblem(CrackFESpace(body, dirichlet="bottom|top", front=None, material=MATERIAL), TraceSpace(body), law=Coulomb(0.2))
+    with pytest.raises(ValueError, match="in space a part of the body that only friction holds is not solved for: hold it"):
+        problem.Solve()
+
+
 def test_refused_laws():
     from ngsxfem_contact.contact import LinearCohesive, MohrCoulomb
 
     body = CrackedMesh(cube_mesh(0.3), plane())
     V, W = CrackFESpace(body, dirichlet="outer", material=MATERIAL), TraceSpace(body)
-    for law in (MohrCoulomb(0.3, 0.1), LinearCohesive(1.0, 1.0), {0: Coulomb(0.3)}):
+    for law in (MohrCoulomb(0.3, 0.1), LinearCohesive(1.0, 1.0), {0: LinearCohesive(1.0, 1.0)}):
         with pytest.raises(ValueError, match="there for plane bodies only; in space take None, Tresca"):
             ContactProblem(V, W, law=law)
+    with pytest.raises(ValueError, match="no crack 1|the body has 1|1 crack"):
+        ContactProblem(V, W, law={1: Coulomb(0.3)})
     problem = ContactProblem(V, W, law=Coulomb(0.3))
     assert str(problem.law) == str(Coulomb(0.3))
     other = problem.Solve()
