@@ -6,8 +6,8 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from ngsolve import CF, H1, L2, BitArray, GridFunction, Integrate, grad
-from scipy.spatial import cKDTree
 
 from .front_tube import FrontCurve
 
@@ -59,6 +59,6 @@ def elements_near_fronts(body: CrackedSolid) -> BitArray:
     vertices, near = mesh.ngmesh.Coordinates(), np.zeros(mesh.nv, dtype=bool)
     for number in range(len(body.fronts)):
         curve = FrontCurve(body, number)
-        distance, _ = cKDTree(curve.Points(np.linspace(0, curve.length, SAMPLES))).query(vertices, distance_upper_bound=REACH * curve.h)
+        distance, _ = scipy.spatial.cKDTree(curve.Points(np.linspace(0, curve.length, SAMPLES))).query(vertices, distance_upper_bound=REACH * curve.h)
         near |= np.isfinite(distance)
     return BitArray(near[mesh.ngmesh.Elements3D().NumPy()["nodes"][:, :4].astype(int) - 1].any(axis=1).tolist())
