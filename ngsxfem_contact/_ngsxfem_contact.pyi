@@ -707,14 +707,15 @@ class CrackedSolid:
         """None: a body in space has fronts."""
 
 class CutOff(_Enumeration):
-    """The cut-off χ of the tip functions: cubic is C¹, quintic C²."""
+    """The cut-off χ of the tip functions: cubic is C¹, quintic C², septic C³."""
 
     __members__: typing.ClassVar[dict[str, CutOff]]
     cubic: typing.ClassVar[CutOff]
     quintic: typing.ClassVar[CutOff]
+    septic: typing.ClassVar[CutOff]
 
 class TipBasis(_Enumeration):
-    """The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II."""
+    """The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, pairs of fields of Williams' expansion, those of unit K_I and K_II first."""
 
     __members__: typing.ClassVar[dict[str, TipBasis]]
     branch: typing.ClassVar[TipBasis]
@@ -723,7 +724,7 @@ class TipBasis(_Enumeration):
 class TipSpec:
     """What a space needs to know at one tip; TipEnrichment makes it."""
 
-    def __init__(self, basis: TipBasis, cutoff: CutOff, r0: float, r1: float, kappa: float, mu: float) -> None: ...
+    def __init__(self, basis: TipBasis, cutoff: CutOff, r0: float, r1: float, kappa: float, mu: float, order: int = 1) -> None: ...
     @property
     def basis(self) -> TipBasis:
         """The TipBasis."""
@@ -739,6 +740,10 @@ class TipSpec:
     @property
     def mu(self) -> float:
         """The shear modulus at the tip; of modes only."""
+
+    @property
+    def order(self) -> int:
+        """How many powers r^{1/2}, r^{3/2}, ... there are; of modes only."""
 
     @property
     def r0(self) -> float:
@@ -774,7 +779,7 @@ class CrackFESpace(ngsolve.comp.FESpace):
         """Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are."""
 
     def TipDofs(self, tip: int) -> list[int]:
-        """The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions."""
+        """The numbers of the unknowns of a tip; of modes that of K_I, that of K_II, then the pairs of higher powers of r. Empty without tip functions."""
 
     def __init__(self, body: CrackedMesh, tips: collections.abc.Sequence[TipSpec | None], tolerance: float, **flags: typing.Any) -> None: ...
     @property

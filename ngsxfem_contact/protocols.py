@@ -167,8 +167,8 @@ class TipFunctions(Protocol):
     """The enrichment of a tip."""
 
     @property
-    def tolerance(self) -> float:
-        """Of the integration rules around the tip, relative to the integral over an element."""
+    def tolerance(self) -> float | None:
+        """Of the integration rules around the tip, relative to the integral over an element; None for what suits the order of the space."""
 
     def Spec(self, body: "CrackedMesh", tip: "Tip") -> "TipSpec":
         """Which functions with which cut-off there are at one tip of `body.tips`; raises ValueError for a disk that does not fit."""

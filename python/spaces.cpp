@@ -8,20 +8,21 @@ using namespace ngcomp;
 
 static void ExportTipSpec (py::module & m)
 {
-  py::enum_<CutOff>(m, "CutOff", "The cut-off χ of the tip functions: cubic is C¹, quintic C².").value("cubic", CutOff::Cubic).value("quintic", CutOff::Quintic);
-  py::enum_<TipBasis>(m, "TipBasis", "The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, the fields of unit K_I and K_II.").value("branch", TipBasis::Branch).value("modes", TipBasis::Modes);
+  py::enum_<CutOff>(m, "CutOff", "The cut-off χ of the tip functions: cubic is C¹, quintic C², septic C³.").value("cubic", CutOff::Cubic).value("quintic", CutOff::Quintic).value("septic", CutOff::Septic);
+  py::enum_<TipBasis>(m, "TipBasis", "The functions at a tip: branch, the four of (8) of [AHLMR12] in each component; modes, pairs of fields of Williams' expansion, those of unit K_I and K_II first.").value("branch", TipBasis::Branch).value("modes", TipBasis::Modes);
   py::class_<TipSpec>(m, "TipSpec", "What a space needs to know at one tip; TipEnrichment makes it.")
-    .def(py::init([] (TipBasis basis, CutOff cutoff, double r0, double r1, double kappa, double mu) { return TipSpec { basis, cutoff, r0, r1, kappa, mu }; }),
-         py::arg("basis"), py::arg("cutoff"), py::arg("r0"), py::arg("r1"), py::arg("kappa"), py::arg("mu"))
+    .def(py::init([] (TipBasis basis, CutOff cutoff, double r0, double r1, double kappa, double mu, int order) { return TipSpec { basis, cutoff, r0, r1, kappa, mu, order }; }),
+         py::arg("basis"), py::arg("cutoff"), py::arg("r0"), py::arg("r1"), py::arg("kappa"), py::arg("mu"), py::arg("order") = 1)
     .def_readonly("basis", &TipSpec::basis, "The TipBasis.")
     .def_readonly("cutoff", &TipSpec::cutoff, "The CutOff.")
     .def_readonly("r0", &TipSpec::r0, "χ = 1 for r ≤ r0, a length.")
     .def_readonly("r1", &TipSpec::r1, "χ = 0 for r ≥ r1, a length.")
     .def_readonly("kappa", &TipSpec::kappa, "Kolosov's constant of the material at the tip; of modes only.")
     .def_readonly("mu", &TipSpec::mu, "The shear modulus at the tip; of modes only.")
-    .def(py::pickle([] (const TipSpec & s) { return py::make_tuple(s.basis, s.cutoff, s.r0, s.r1, s.kappa, s.mu); },
+    .def_readonly("order", &TipSpec::order, "How many powers r^{1/2}, r^{3/2}, ... there are; of modes only.")
+    .def(py::pickle([] (const TipSpec & s) { return py::make_tuple(s.basis, s.cutoff, s.r0, s.r1, s.kappa, s.mu, s.order); },
                     [] (py::tuple t) { return TipSpec { t[0].cast<TipBasis>(), t[1].cast<CutOff>(), t[2].cast<double>(),
-                                                        t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>() }; }));
+                                                        t[3].cast<double>(), t[4].cast<double>(), t[5].cast<double>(), t[6].cast<int>() }; }));
 }
 
 static void ExportTipModeGradient (py::module & m)
@@ -52,7 +53,7 @@ static void ExportCrackFESpace (py::module & m)
     .def("SetTipMaterial", &CrackFESpace::SetTipMaterial, py::arg("tip"), py::arg("kappa"), py::arg("mu"),
          "Gives the modes at a tip the kappa and mu of another material: unknowns and rules stay what they are.\n\nRaises\n"
          "------\nException\n    Where there are no functions.")
-    .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"), "The numbers of the unknowns of a tip; of modes that of K_I, then that of K_II. Empty without tip functions.")
+    .def("TipDofs", &CrackFESpace::TipDofs, py::arg("tip"), "The numbers of the unknowns of a tip; of modes that of K_I, that of K_II, then the pairs of higher powers of r. Empty without tip functions.")
     .def(py::pickle([] (const CrackFESpace & v) { return py::make_tuple(v.GetBody(), v.TipSpecs(), v.Tolerance(), v.GetFlags()); },
                     [] (py::tuple t) { return Updated(make_shared<CrackFESpace>(t[0].cast<shared_ptr<CrackedMesh>>(), t[1].cast<TipSpecs>(),
                                                                                 t[2].cast<double>(), t[3].cast<Flags>())); }));

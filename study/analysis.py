@@ -74,7 +74,7 @@ def interpolant(name, order, maxh, i, modes=True):
     start, end = cf.mouths(angle, offset)
     body = CrackedMesh(mesh, cf.crack_on_axis(start, 0 if case.modes else end))
     modes = modes and case.modes is not None
-    V = CrackFESpace(body, order=order, tip=TipEnrichment(r1=CUTOFF_RADIUS, material=MATERIAL) if modes else None)
+    V = CrackFESpace(body, order=order, tip=TipEnrichment(r1=CUTOFF_RADIUS, material=MATERIAL, order=1) if modes else None)
     regular = case.exact.u - cutoff(V.tip_specs[0]) * case.singular if modes else case.exact.u
     plus, minus = (smooth_extension(regular, side).Compile() for side in (1, -1))
     return Interpolant(V, plus, minus, [case.modes] if modes else [])

@@ -81,8 +81,10 @@ def varied_mesh(h, realisation):
     return unstructured_mesh(h * (1 + 0.02 * ((realisation + 1) // 2) * (-1) ** realisation))
 
 
-def paper_problem(mesh, load="B", pair="P2/P1", stabilisation=BarbosaHughes(), cone="nonpositive", tip=TipEnrichment(material=MATERIAL), law=None, length=0.5):
-    """The ContactProblem on a mesh of the body; load: a key of TRACTION; pair: a key of PAIRS; length of the crack."""
+def paper_problem(
+    mesh, load="B", pair="P2/P1", stabilisation=BarbosaHughes(), cone="nonpositive", tip=TipEnrichment(material=MATERIAL, order=1), law=None, length=0.5
+):
+    """The ContactProblem on a mesh of the body; load: a key of TRACTION; pair: a key of PAIRS; length of the crack. The paper has √r alone at the tip."""
     body = CrackedMesh(mesh, Crack([(0, 0), (length, 0)]))
     orders = PAIRS[pair]
     V = CrackFESpace(body, order=orders.order, bubble=orders.bubble, tip=tip)

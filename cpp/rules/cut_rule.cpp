@@ -180,11 +180,11 @@ namespace ngsxfem_contact
 
   double TipQuadrature :: KinkOrder (double r, double h) const
   {
-    // beside |∇F| = 1/(2√r), χ' F grows like 12 r x/w² (60 r x²/w³) with the distance x from the kink;
-    // of that at x = h, Gauss of order q misses about a tenth of (q+1)^-2 (-3)
+    // beside |∇F| = 1/(2√r), χ' F grows like 12 r x/w² (60 r x²/w³, 280 r x³/w⁴) with the distance x from the kink;
+    // of that at x = h, Gauss of order q misses about a tenth of (q+1)^-2 (-3, -4)
+    constexpr double growth[] = { 12, 60, 280 };
     double w = r < Radius() ? AnnulusWidth(r) : AnnulusWidth(0.999*r);
-    if (smoothness == 1) return sqrt(1.2*r*h/(w*w)/tolerance) - 1;
-    return cbrt(6*r*h*h/(w*w*w)/tolerance) - 1;
+    return pow(0.1*growth[smoothness-1] * r/w * pow(h/w, smoothness) / tolerance, 1./(smoothness+1)) - 1;
   }
 
   /// NGSolve's rule of order 2 has its points on the edges, hence on Γ_C, where a point has no side.

@@ -36,8 +36,10 @@ namespace ngsxfem_contact
           if (spec->r1 > (1+1e-10)*tip.clearance)
             throw Exception("CrackFESpace: the disk r1 = " + ngcore::ToString(spec->r1) + " of the tip at " + ToString(tip.point) + " reaches "
                             + tip.limit + ", at " + ngcore::ToString(tip.clearance) + "; choose r1 below that");
+          if (spec->order < 1 || spec->order > TipFunctions::max_order)
+            throw Exception("CrackFESpace: modes of order " + ngcore::ToString(spec->order) + " at the tip at " + ToString(tip.point) + "; choose 1 to " + ngcore::ToString(TipFunctions::max_order));
           tips[i].emplace(tip.crack, tip.curve, tip.plus_sign, *spec);
-          demands[i] = { { spec->r0, spec->r1 }, tolerance, spec->cutoff == CutOff::Cubic ? 1 : 2 };
+          demands[i] = { { spec->r0, spec->r1 }, tolerance, int(spec->cutoff) };
         }
     rules = RulesOf(body, demands);
   }

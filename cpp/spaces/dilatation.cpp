@@ -135,8 +135,7 @@ namespace ngsxfem_contact
         for (auto tip : fel.Singular().Tips())
           {
             auto s = tip->SingularDivergence(x.Place(), fel.ForcedSide(trace, x));
-            for (int m = 0; m < tip->Size(); m++, dof++)
-              if (m < 2) visit(dof, s[m]);
+            for (int m = 0; m < tip->Size(); m++) visit(dof++, s[m]);
           }
       }
 

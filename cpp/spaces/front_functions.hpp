@@ -37,7 +37,7 @@ namespace ngsxfem_contact
       AutoDiff<3,T> R(r);
       for (int i = 0; i < 3; i++) R.DValue(i) = (x.Value()*x.DValue(i) + y.Value()*y.DValue(i)) / r;
       auto [C, S] = HalfAngle(x, y, r, side);
-      auto plane = PlaneModes(C, S, R, material.kappa);
+      auto plane = WilliamsModes(C, S, R).Fields(material.kappa);
       // e₁ and e₃ turn along a curved front: de₁/ds = e₃/R_f, ∇s = e₃ / (1 + x₁/R_f)
       T turn = at.curvature / (1. + at.curvature*at.x1);
       double scale = 1. / (2*material.mu*sqrt(2*M_PI));

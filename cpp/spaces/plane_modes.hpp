@@ -35,12 +35,37 @@ namespace ngsxfem_contact
     return HalfAngle(x, y, r, sign, sign);
   }
 
-  /// 2μ √(2π) times the fields of unit K_I and K_II, ahead and to the left of the tip, for C and S of HalfAngle.
+  /// Williams' expansion at a tip whose lips are free of traction, its terms r^{m-½}, m = 1, 2, ..., one after the other. Of C and S of HalfAngle.
   template <int D, typename T>
-  std::array<std::array<AutoDiff<D,T>,2>,2> PlaneModes (AutoDiff<D,T> C, AutoDiff<D,T> S, AutoDiff<D,T> r, double kappa)
+  class WilliamsModes
   {
-    AutoDiff<D,T> c2 = C*C/r, s2 = S*S/r;
-    return { { { C*(kappa-1. + 2.*s2), S*(kappa+1. - 2.*c2) },
-               { S*(kappa+1. + 2.*c2), -1.*C*(kappa-1. - 2.*s2) } } };
-  }
+    using Field = AutoDiff<D,T>;
+    struct Complex { Field re, im; };
+    double exponent = 0.5;                        // λ = m-½
+    Complex z, power, before;                     // x+iy, z^λ and z^{λ-1}
+
+    static Complex Times (const Complex & a, const Complex & b) { return { a.re*b.re - a.im*b.im, a.re*b.im + a.im*b.re }; }
+
+  public:
+    WilliamsModes (Field C, Field S, Field r) : z { C*C - S*S, 2.*C*S }, power { C, S }, before { C/r, -1.*S/r } { }
+
+    /// The next term, divided by a length: units stay the same.
+    void Next (double length)
+    {
+      exponent += 1;
+      before = { 1/length*power.re, 1/length*power.im };
+      power = Times(z, before);
+    }
+
+    /// 2μ √(2π) times the fields I and II, ahead and to the left of the tip: κ φ - z φ'* - ψ* with φ = z^λ and -i z^λ. For m = 1 those of unit K_I and K_II.
+    std::array<std::array<Field,2>,2> Fields (double kappa) const
+    {
+      Complex other = Times(z, { exponent*before.re, -exponent*before.im });
+      return { { { (kappa-1.+exponent)*power.re - other.re, (kappa+1.-exponent)*power.im - other.im },
+                 { (kappa+1.+exponent)*power.im + other.im, (1.+exponent-kappa)*power.re - other.re } } };
+    }
+
+    /// 2μ √(2π) / (κ-1) times their divergence.
+    std::array<Field,2> Divergence () const { return { 2*exponent*before.re, 2*exponent*before.im }; }
+  };
 }

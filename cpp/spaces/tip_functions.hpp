@@ -1,5 +1,5 @@
 #pragma once
-// The singular functions at one tip, times the cut-off χ: (8) of [AHLMR12], or the two modes of docs/method.md, section 3.
+// The singular functions at one tip, times the cut-off χ: (8) of [AHLMR12], or the modes of docs/method.md, section 3.
 
 #include "cut/disk.hpp"
 #include "curve/tip_curve.hpp"
@@ -7,8 +7,8 @@
 
 namespace ngsxfem_contact
 {
-  enum class CutOff { Cubic, Quintic };          // χ is C¹ or C²
-  enum class TipBasis { Branch, Modes };          // the 4 functions (8) for each component; the 2 vector fields (b), (c)
+  enum class CutOff { Cubic = 1, Quintic, Septic };   // the continuous derivatives of χ
+  enum class TipBasis { Branch, Modes };          // the 4 functions (8) for each component; vector fields of Williams' expansion
 
   struct TipSpec
   {
@@ -16,6 +16,7 @@ namespace ngsxfem_contact
     CutOff cutoff = CutOff::Quintic;
     double r0 = 0, r1 = 0;                        // χ = 1 for r ≤ r0, 0 for r ≥ r1
     double kappa = 0, mu = 1;                     // of the material at the tip; modes only
+    int order = 1;                                // r^{½}, ..., r^{order-½}; modes only
   };
 
   class TipFunctions
@@ -27,7 +28,7 @@ namespace ngsxfem_contact
     TipSpec spec;
 
   public:
-    static constexpr int max_functions = 8;
+    static constexpr int max_functions = 8, max_order = max_functions/2;
 
     TipFunctions (size_t acrack, TipCurve acurve, int aplus_sign, TipSpec aspec)
       : crack(acrack), curve(std::move(acurve)), tip(curve.Tip()), ahead(curve.Ahead()), left(Left(ahead)), plus_sign(aplus_sign), spec(aspec) { }
@@ -36,11 +37,11 @@ namespace ngsxfem_contact
     const TipSpec & Spec() const { return spec; }
     /// Outside of it they vanish.
     ngsxfem_contact::Disk Disk() const { return { tip, spec.r1 }; }
-    int Size() const { return spec.basis == TipBasis::Modes ? 2 : 8; }
+    int Size() const { return spec.basis == TipBasis::Modes ? 2*spec.order : 8; }
 
     /// χ F_j as vector fields with their gradients at p; T is double or SIMD<double>.
     /// side = 0: by the position of p; ±1: the limit on Γ_C from the plus or the minus side, p on Γ_C.
-    /// The modes are scaled so that their coefficients are K_I and K_II.
+    /// The modes come in pairs I, II, r^{½} first. They are scaled so that the first coefficients are K_I and K_II, and those of (r/r1)^{m-1} √r have their unit.
     template <typename T>
     void Evaluate (Vec<2,T> p, int side, Vec<2,AutoDiff<2,T>> * values) const
     {
@@ -55,29 +56,26 @@ namespace ngsxfem_contact
     template <typename T>
     [[gnu::flatten]] void Evaluate (Vec<2,T> p, int side, Vec<2,T> * values) const
     {
-      auto [chi, C, S, R, y] = At(p, side);
-      auto copy = [&] (auto & fields) { for (auto & field : fields) *values++ = Vec<2,T> { field(0).Value(), field(1).Value() }; };
-      if (spec.basis == TipBasis::Modes)
-        {
-          Vec<2,AutoDiff<2,T>> modes[2];
-          EvaluateModes(chi, C, S, R, modes);
-          copy(modes);
-        }
-      else
-        {
-          Vec<2,AutoDiff<2,T>> branch[max_functions];
-          EvaluateBranch(chi, C, S, y/R, R, branch);
-          copy(branch);
-        }
+      Vec<2,AutoDiff<2,T>> fields[max_functions];
+      Evaluate(p, side, fields);
+      for (int m = 0; m < Size(); m++) values[m] = Vec<2,T> { fields[m](0).Value(), fields[m](1).Value() };
     }
 
-    /// χ div of the modes as if the crack were straight, what is singular in it: of the order of 1/λ_L. 0 for the functions (8).
-    std::array<double,2> SingularDivergence (Point p, int side) const
+    /// χ div of the modes as if the crack were straight, of the order of 1/λ_L. 0 for the functions (8).
+    std::array<double,max_functions> SingularDivergence (Point p, int side) const
     {
-      if (spec.basis == TipBasis::Branch) return { 0, 0 };
+      std::array<double,max_functions> values { };
+      if (spec.basis == TipBasis::Branch) return values;
       auto [chi, C, S, R, y] = At<double>(p, side);
-      double scale = (spec.kappa-1) / (2*spec.mu*sqrt(2*M_PI)) * chi.Value() / R.Value();
-      return { scale*C.Value(), -scale*S.Value() };
+      double scale = (spec.kappa-1) / (2*spec.mu*sqrt(2*M_PI)) * chi.Value();
+      WilliamsModes modes(C, S, R);
+      for (int m = 0; m < Size(); m += 2)
+        {
+          if (m) modes.Next(spec.r1);
+          auto divergence = modes.Divergence();
+          for (int k = 0; k < 2; k++) values[m+k] = scale*divergence[k].Value();
+        }
+      return values;
     }
 
   private:
@@ -105,9 +103,9 @@ namespace ngsxfem_contact
     AutoDiff<2,T> Chi (AutoDiff<2,T> r) const
     {
       auto rho = (1./(spec.r1-spec.r0)) * (r - AutoDiff<2,T>(T(spec.r0)));
-      auto poly = spec.cutoff == CutOff::Cubic
-        ? 1. - rho*rho*(3. - 2.*rho)
-        : 1. - rho*rho*rho*(10. - 15.*rho + 6.*rho*rho);
+      auto poly = spec.cutoff == CutOff::Cubic ? 1. - rho*rho*(3. - 2.*rho)
+        : spec.cutoff == CutOff::Quintic ? 1. - rho*rho*rho*(10. - 15.*rho + 6.*rho*rho)
+        : 1. - rho*rho*rho*rho*(35. - 84.*rho + 70.*rho*rho - 20.*rho*rho*rho);
       AutoDiff<2,T> chi;
       auto select = [&] (T value, T inside) { return IfPos(r.Value()-spec.r1, T(0.), IfPos(T(spec.r0)-r.Value(), inside, value)); };
       chi.Value() = select(poly.Value(), T(1.));
@@ -174,13 +172,18 @@ namespace ngsxfem_contact
     template <typename T>
     void EvaluateModes (AutoDiff<2,T> chi, AutoDiff<2,T> C, AutoDiff<2,T> S, AutoDiff<2,T> r, Vec<2,AutoDiff<2,T>> * values) const
     {
-      double scale = 1. / (2*spec.mu*sqrt(2*M_PI));
-      auto field = PlaneModes(C, S, r, spec.kappa);
-      if (!curve.IsStraight())
-        for (auto & f : field) TurnFrame(r, f);
-      for (int m = 0; m < 2; m++)
-        for (int k = 0; k < 2; k++)
-          values[m](k) = scale * chi * (ahead(k)*field[m][0] + left(k)*field[m][1]);
+      auto factor = 1. / (2*spec.mu*sqrt(2*M_PI)) * chi;
+      WilliamsModes modes(C, S, r);
+      for (int m = 0; m < spec.order; m++)
+        {
+          if (m) modes.Next(spec.r1);
+          for (auto & field : modes.Fields(spec.kappa))
+            {
+              if (!curve.IsStraight()) TurnFrame(r, field);
+              for (int k = 0; k < 2; k++) (*values)(k) = factor * (ahead(k)*field[0] + left(k)*field[1]);
+              values++;
+            }
+        }
     }
   };
 }

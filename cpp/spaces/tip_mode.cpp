@@ -20,7 +20,7 @@ namespace ngsxfem_contact
     R.DValue(1) = Y.Value()/R.Value();
     T one(1.), above = IfPos(-Y.Value(), -one, one);
     auto [C, S] = HalfAngle(X, Y, R.Value(), above, double(plus_sign)*side_of_point);
-    auto field = PlaneModes(C, S, R, kappa)[mode];
+    auto field = WilliamsModes(C, S, R).Fields(kappa)[mode];
     Mat<2,2,T> gradient;
     double scale = 1/(2*mu*sqrt(2*M_PI));
     for (int i = 0; i < 2; i++)

@@ -6,18 +6,21 @@ They hold in the whole plane, so that any polygon may be the body: rotate and sh
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import zip_longest
 from math import pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, CoefficientFunction, IfPos, InnerProduct, Integrate, Mesh, cos, exp, sin, sqrt, x, y
+from ngsolve import CF, CoefficientFunction, IfPos, InnerProduct, Integrate, Mesh, atan2, cos, exp, sin, sqrt, x, y
 
 from .._ngsxfem_contact import Crack
 from ..fracture.tip_fields import half_angle
 from ..operators import Slip
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..contact.solution import ContactSolution
     from ..material import Isotropic
 
@@ -55,27 +58,41 @@ def sticking_crack(material: Isotropic, a: Any = 1.5, p: float = 10) -> Any:
     return ClosedForm(u + uniform.u, _matrix(xx, xy, -xx) + uniform.stress, -xx - p, CF(0), xy, CF(0))
 
 
+def williams_tip(material: Isotropic, opening: Sequence[float] = (), sliding: Sequence[float] = (), p: float = 0, tip: float = 0) -> ClosedForm:
+    """Williams' expansion at a tip (tip, 0) with the crack on x < tip, and σ_yy = -p: open without p, closed without opening terms.
+
+    Parameters
+    ----------
+    opening, sliding
+        The coefficients of r^{m-1/2}, m = 1, 2, ..., with lips free of traction: φ = a z^{m-1/2}, a √(2π) = opening - i sliding, of Kolosov's
+        2μ (u_x + i u_y) = κ φ - z φ'* - ψ*. The first ones are K_I and K_II. The jumps are (κ+1)/(μ √(2π)) (-1)^{m-1} (-x)^{m-1/2} times the coefficients.
+    """
+    X, kappa, scale = x - tip, material.kappa, 1 / np.sqrt(2 * pi)
+    r, theta = sqrt(X * X + y * y + 1e-200), atan2(y, X)
+    rotated = lambda c, k: (c.real * cos(k * theta) - c.imag * sin(k * theta), c.real * sin(k * theta) + c.imag * cos(k * theta))
+    closed = uniform_compression(material, p, 0)
+    u, stress, jumps = closed.u, closed.stress, [CF(0), CF(0)]
+    for m, pair in enumerate(zip_longest(opening, sliding, fillvalue=0.0)):
+        power, a = m + 0.5, scale * complex(pair[0], -pair[1])
+        b = a.conjugate() - power * a
+        displacement = [kappa * f - g - h for f, g, h in zip(rotated(a, power), rotated(power * a.conjugate(), 2 - power), rotated(b.conjugate(), -power))]
+        mean = 2 * power * rotated(a, power - 1)[0]
+        shift, shear = (f + g for f, g in zip(rotated(power * (power - 1) * a, power - 3), rotated(power * b, power - 1)))
+        u = u + r**power / (2 * material.mu) * CF(tuple(displacement))
+        stress = stress + r ** (power - 1) * _matrix(mean - shift, shear, mean + shift)
+        behind = (-1) ** m * scale * (kappa + 1) / material.mu * IfPos(-X, -X, 0) ** power
+        jumps = [jump + coefficient * behind for jump, coefficient in zip(jumps, pair)]
+    return ClosedForm(u, stress, CF(-p), jumps[0], CF(0), jumps[1])
+
+
 def open_tip(material: Isotropic, K: float = 1, tip: float = 0) -> ClosedForm:
     """(b): K_I at a tip (tip, 0) with the crack on x < tip."""
-    X, Y, r, c, s = _tip_coordinates(tip)
-    kappa, scale = material.kappa, K / (2 * material.mu * np.sqrt(2 * pi))
-    u = scale * sqrt(r) * CF((c * (kappa - 1 + 2 * s * s), s * (kappa + 1 - 2 * c * c)))
-    s3, c3 = s * (3 - 4 * s * s), c * (4 * c * c - 3)
-    stress = _matrix(c * (1 - s * s3), s * c * c3, c * (1 + s * s3))
-    gap = scale * 2 * (kappa + 1) * sqrt(IfPos(-X, -X, 0))
-    return ClosedForm(u, K / sqrt(2 * pi * r) * stress, CF(0), gap)
+    return williams_tip(material, opening=[K], tip=tip)
 
 
-def slipping_tip(material: Isotropic, K: float = 1, p: float = 1, tip: int = 0) -> ClosedForm:
+def slipping_tip(material: Isotropic, K: float = 1, p: float = 1, tip: float = 0) -> ClosedForm:
     """(c): K_II at a tip (tip, 0), crack on x < tip, closed under the uniform compression σ_yy = -p."""
-    X, Y, r, c, s = _tip_coordinates(tip)
-    kappa, scale = material.kappa, K / (2 * material.mu * np.sqrt(2 * pi))
-    u = scale * sqrt(r) * CF((s * (kappa + 1 + 2 * c * c), -c * (kappa - 1 - 2 * s * s)))
-    s3, c3 = s * (3 - 4 * s * s), c * (4 * c * c - 3)
-    stress = _matrix(-s * (2 + c * c3), c * (1 - s * s3), s * c * c3)
-    closed = uniform_compression(material, p, 0)
-    slip = scale * 2 * (kappa + 1) * sqrt(IfPos(-X, -X, 0))
-    return ClosedForm(u + closed.u, K / sqrt(2 * pi * r) * stress + closed.stress, CF(-p), CF(0), CF(0), slip)
+    return williams_tip(material, sliding=[K], p=p, tip=tip)
 
 
 def sliding_tip(material: Isotropic, mu_f: float, K: float = 1, p: float = 1, tip: int = 0) -> ClosedForm:
@@ -98,13 +115,6 @@ def contact_transition(material: Isotropic, c: float = 1, x0: float = 0) -> Clos
     stress = _matrix(re_Z - Y * im_dZ, -sign * Y * re_dZ, re_Z + Y * im_dZ)
     opening = IfPos(X, X, 0)
     return ClosedForm(u, stress, -c * sqrt(IfPos(-X, -X, 0)), 0.5 / mu * (kappa + 1) * 2 / 3 * c * opening * sqrt(opening))
-
-
-def _tip_coordinates(tip: float) -> tuple[CoefficientFunction, ...]:
-    X = x - tip
-    r = sqrt(X * X + y * y + 1e-200)
-    C, S = half_angle(X, y, r)
-    return X, y, r, C / sqrt(r), S / sqrt(r)
 
 
 def _matrix(xx: CoefficientFunction, xy: CoefficientFunction, yy: CoefficientFunction) -> CoefficientFunction:

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from .._ngsxfem_contact import TipSpec
 
-SPREAD, ROOM = 3, 0.2  # found by benchmarks/k_errors.py
+SPREAD, ROOM = 3, 0.3  # found by benchmarks/k_errors.py
 BRANCH, NONE = 1.5, 3  # where there are no modes to compare with: at tips with the functions (8), and without functions
 
 

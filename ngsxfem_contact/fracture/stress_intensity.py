@@ -47,7 +47,7 @@ class StressIntensityFactors:
     by_radius
         (n, 2), the values at `radii`.
     modes
-        Coefficients of the modes in the space (error O(h^{1/2}) for P1, O(h) for P2), or None.
+        Coefficients of the first two modes in the space (error O(h^{k-1/2}) for order k, see ModeCoefficients), or None.
     """
 
     K_I: float
@@ -227,8 +227,8 @@ class InteractionIntegral:
 class ModeCoefficients:
     """K_I, K_II as coefficients of the modes in the space: needs TipEnrichment(material=...).
 
-    The error is O(h^{1/2}) for P1 and O(h) for P2, h the element at the tip; do not grade the mesh to the tip, where the
-    polynomials would take over √r.
+    The error is O(h^{k-1/2}) for order k at tips of straight cracks whose modes have that order, O(h) for k ≥ 2 with √r alone; h is the element at the tip. Do
+    not grade the mesh to the tip, where the polynomials would take over √r.
     """
 
     def Evaluate(self, solution: ContactSolution, tip: int) -> StressIntensityFactors:
@@ -277,7 +277,7 @@ def mode_coefficients(solution: ContactSolution, tip: int) -> tuple[float, ...] 
     spec = V.tip_specs[tip]
     if spec is None or spec.basis != core.TipBasis.modes:
         return None
-    return tuple(float(solution.u.vec[dof]) for dof in Unknowns(V).Tip(tip))
+    return tuple(float(solution.u.vec[dof]) for dof in Unknowns(V).Tip(tip)[:2])
 
 
 def stress_intensity(solution: ContactSolution, tip: int, method: Any, radius: float | None) -> StressIntensityFactors:

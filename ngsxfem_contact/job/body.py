@@ -211,7 +211,7 @@ def displacements(table: Table, body: CrackedMesh, material: Isotropic, held: di
 
 def tip_of(table: Table) -> Kind:
     """The kind of a key that is false, for no tip functions, or a table of what TipEnrichment takes."""
-    kinds = {"r0": number, "r1": number, "cutoff": text, "functions": choice("branch"), "tolerance": number}
+    kinds = {"r0": number, "r1": number, "cutoff": text, "functions": choice("branch"), "tolerance": number, "order": whole}
 
     def kind(value: Any) -> Any:
         if value is False:

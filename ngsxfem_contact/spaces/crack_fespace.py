@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 UNKNOWN = Elasticity.PlaneStrain(E=2.6, nu=0.3)  # μ = 1: the modes at a tip until its material is known
 
+MOST_POWERS = 4  # of r at a tip: cpp/spaces/tip_functions.hpp has room for no more
+
 
 @dataclass(frozen=True)
 class TipEnrichment:
@@ -41,16 +43,20 @@ class TipEnrichment:
         Default 0.9 × the largest possible radius: the tip's clearance (see `body.tips`), and the distance to curved elements and, for the modes, to other
         materials.
     cutoff
-        "quintic" (χ is C²) or "cubic" (C¹).
+        "cubic" (χ is C¹), "quintic" (C²) or "septic" (C³). Default: quintic, and septic where CrackFESpace has order 3 or more, which a third derivative that jumps
+        would limit to h^{5/2}.
     material
-        With an Elasticity (or Elasticity.ByRegion) the two vector modes of unit K_I and K_II, whose coefficients are the stress intensity factors and
-        whose lips are free of traction: 2 unknowns for each tip. Default: that of CrackFESpace(material=...).
+        With an Elasticity (or Elasticity.ByRegion) the vector modes of Williams' expansion, whose lips are free of traction; the first two coefficients are
+        K_I and K_II. Default: that of CrackFESpace(material=...).
     functions
         "modes", or "branch" for the four scalar functions (8) of [AHLMR12] in each component, 8 unknowns, whose lips carry tractions: in contact
         pressures and K_I are less accurate. Default: modes; without a material those of the ContactProblem that is made of the space.
     tolerance
-        Of the integration rules around the tip, relative to the integral over an element. The default changes the mean errors of energy and K by less
-        than a hundredth of themselves (tests/contact/test_contact.py).
+        Of the integration rules around the tip, relative to the integral over an element. Default: 1e-5, and 1e-7 where CrackFESpace has order 3 or more. It changes
+        the mean errors of energy and K by less than a hundredth of themselves (tests/contact/test_contact.py).
+    order
+        m: the modes r^{1/2}, r^{3/2}, ..., r^{m-1/2}, 2 m unknowns for each tip, m = 1 to 4. Default: that of CrackFESpace, which then keeps its order at the tips of straight
+        cracks. With functions="branch" there is r^{1/2} only.
 
     Raises
     ------
@@ -66,15 +72,17 @@ class TipEnrichment:
 
     r0: float | None = None
     r1: float | None = None
-    cutoff: str = "quintic"
+    cutoff: str | None = None
     material: Isotropic | None = None
     functions: str | None = None
-    tolerance: float = 1e-5
+    tolerance: float | None = None
+    order: int | None = None
 
     def __post_init__(self) -> None:
-        if self.cutoff not in core.CutOff.__members__:
+        if self.cutoff is not None and self.cutoff not in core.CutOff.__members__:
             raise ValueError(f"TipEnrichment: cutoff={self.cutoff!r} is not one of {list(core.CutOff.__members__)}")
-        check_number(self.tolerance, "TipEnrichment: tolerance", lambda tolerance: 0 < tolerance < 1, "lie between 0 and 1")
+        if self.tolerance is not None:
+            check_number(self.tolerance, "TipEnrichment: tolerance", lambda tolerance: 0 < tolerance < 1, "lie between 0 and 1")
         if self.r1 is not None:
             check_positive(self.r1, "TipEnrichment: r1")
         if self.r0 is not None:
@@ -85,6 +93,13 @@ class TipEnrichment:
         if self.functions == "modes" and self.material is None:
             raise ValueError("TipEnrichment: functions='modes' needs material=Elasticity(...), which the modes depend on")
         check_type(self.material, Isotropic | None, "TipEnrichment: material", "an Elasticity")
+        if self.order is not None:
+            check_whole(self.order, "TipEnrichment: order", 1)
+            most = 1 if self.functions == "branch" else MOST_POWERS
+            if self.order > most:
+                raise ValueError(
+                    f"TipEnrichment: order={self.order} is more than {most}, what the functions {self.functions or 'modes'!r} have; choose 1 to {most}"
+                )
 
     def Spec(self, body: CrackedMesh, tip: Tip) -> TipSpec:
         """What the space needs to know at one tip.
@@ -98,21 +113,26 @@ class TipEnrichment:
         r1 = 0.9 * largest_disk(body, tip, material)[0] if self.r1 is None else self.r1
         check_disk("TipEnrichment", body, tip, r1, material, "tip=None")
         r0 = r1 / 50 if self.r0 is None else self.r0
-        cutoff = core.CutOff.__members__[self.cutoff]
+        cutoff = core.CutOff.__members__[self.cutoff or "quintic"]
         if self.functions == "branch":
             return core.TipSpec(core.TipBasis.branch, cutoff, r0, r1, 0, 1)
         here = UNKNOWN if material is None else material.At(body.mesh, tip.point)
-        return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu)
+        return core.TipSpec(core.TipBasis.modes, cutoff, r0, r1, here.kappa, here.mu, self.order or 1)
 
-    def With(self, material: Isotropic | None) -> TipEnrichment:
-        """The same with the modes of a material (or None), unless it has functions of its own.
+    def With(self, material: Isotropic | None, order: int) -> TipEnrichment:
+        """The same with the modes of a material (or None), unless it has functions of its own, and with what suits an order, unless it says that itself.
 
         Parameters
         ----------
         material : Elasticity or None
             Whose modes are taken.
+        order : int
+            Of the polynomials beside them.
         """
-        return self if self.material is not None or self.functions is not None else replace(self, material=material)
+        suited = replace(self, cutoff=self.cutoff or ("quintic" if order < 3 else "septic"))
+        if self.functions == "branch":
+            return suited
+        return replace(suited, material=material if self.material is None else self.material, order=self.order or min(order, MOST_POWERS))
 
     @property
     def undecided(self) -> bool:
@@ -185,11 +205,11 @@ class CrackFESpace(Described, core.CrackFESpace):
             if pattern:
                 flags[name] = joined_names(pattern)
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
-        tips = tip_enrichments(tip, body, material)
+        tips = tip_enrichments(tip, body, material, order)
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
         specs = [None if enrichment is None else enrichment.Spec(body, tip) for enrichment, tip in zip(tips, body.tips)]
-        tolerance = min((enrichment.tolerance for enrichment in tips if enrichment), default=1)
+        tolerance = min((enrichment.tolerance or (1e-5 if order < 3 else 1e-7) for enrichment in tips if enrichment), default=1)
         if bubble is None:
             bubble = order > 1 and any(map(is_nearly_incompressible, [material, *(getattr(enrichment, "material", None) for enrichment in tips)]))
         if bubble:
@@ -221,13 +241,13 @@ class CrackFESpace(Described, core.CrackFESpace):
         self.material, self.undecided, self.share = material, undecided, share_in(self.body)
 
 
-def tip_enrichments(tip: Any, body: CrackedMesh, material: Isotropic | None) -> list[TipFunctions | None]:
-    """One for each tip, those that are undecided with the modes of the material."""
+def tip_enrichments(tip: Any, body: CrackedMesh, material: Isotropic | None, order: int) -> list[TipFunctions | None]:
+    """One for each tip, those that are undecided with the modes of the material and of the order of the space."""
     tips = tip if isinstance(tip, (list, tuple)) else [tip] * len(body.tips)
     for enrichment in tips:
         if enrichment is not None:
             check_role(enrichment, TipFunctions, "CrackFESpace: tip", "a TipEnrichment")
-    return [enrichment.With(material) if isinstance(enrichment, TipEnrichment) else enrichment for enrichment in tips]
+    return [enrichment.With(material, order) if isinstance(enrichment, TipEnrichment) else enrichment for enrichment in tips]
 
 
 def warn_of_undecided(body: CrackedMesh, tips: list[int]) -> None:

@@ -145,6 +145,9 @@ def test_spaces(options, message):
         (dict(cutoff="linear"), "cutoff='linear' is not one of"),
         (dict(functions="all"), "functions='all' is not"),
         (dict(functions="modes"), "needs material=Elasticity"),
+        (dict(order=0), "order=0 must be 1 or more"),
+        (dict(order=5), "order=5 is more than 4"),
+        (dict(functions="branch", order=2), "order=2 is more than 1, what the functions 'branch' have"),
         (dict(tolerance=0), "tolerance"),
         (dict(tolerance=-1e-9), "tolerance"),
         (dict(tolerance=NAN), "tolerance"),
@@ -161,7 +164,7 @@ def test_tip_enrichments(options, message):
         TipEnrichment(**options)
 
 
-@pytest.mark.parametrize("options", [dict(r1="far"), dict(r0=[0.1]), dict(material=1.0), dict(tolerance=None)])
+@pytest.mark.parametrize("options", [dict(r1="far"), dict(r0=[0.1]), dict(material=1.0), dict(tolerance="fine"), dict(order=1.5)])
 def test_tip_enrichments_of_other_things(options):
     with refused(f"TipEnrichment: {next(iter(options))}=", TypeError):
         TipEnrichment(**options)

@@ -126,7 +126,7 @@ def test_objects_say_what_they_are():
     problem, V, W = solution.problem, solution.problem.V, solution.problem.W
     said = [
         (solution.body, ["52 triangles", "mouth (0, 0.5), tip (0.5, 0.52)"]),
-        (V, ["order     2", f"{V.ndof}, of them", "8 at 4 tips", "Elasticity"]),
+        (V, ["order     2", f"{V.ndof}, of them", "16 at 4 tips", "Elasticity"]),
         (W, ["nodal", f"{W.ndof} on 3 cracks"]),
         (problem, ["3 cracks, 4 tips", "Coulomb", "Joint", "1 term in f", "bottom", "BarbosaHughes"]),
         (solution, [f"{V.ndof} unknowns", "converged, residual", "% open"]),

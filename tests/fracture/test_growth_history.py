@@ -39,7 +39,7 @@ def tractions(solution):
 
 
 LAWS = {
-    "glue": (GLUE, STRAIGHT, (0.0, 1.0), (0.0, 0.4)),
+    "glue": (GLUE, STRAIGHT, (0.0, 1.1), (0.0, 0.4)),
     "friction": (Coulomb(0.2), INCLINED, (0.5, -1.0), (0.1, -1.0)),
     "friction by nodes": ({"fault": Coulomb(0.2)}, INCLINED, (0.5, -1.0), (0.1, -1.0)),
     "dilation": (MohrCoulomb(0.2, dilation=0.1, k_n=50.0, k_t=50.0), INCLINED, (0.5, -1.0), (0.1, -1.0)),

@@ -296,33 +296,35 @@ def test_default_rules_against_fine_ones(maxh, options):
     assert np.abs(usual - fine).max() < 1e-5 * np.abs(fine).max() and points < 0.8 * many
 
 
-def mode_in_polar_components(mode, lam, mu, t):
-    """f, g with F_r = √r f(θ), F_θ = √r g(θ) of unit K (docs/method.md, section 3)."""
+def mode_in_polar_components(mode, power, lam, mu, t):
+    """f, g with F_r = r^p f(θ), F_θ = r^p g(θ) of the coefficient 1 (docs/method.md, section 3): of p = 1/2 those of unit K, of the others Kolosov's formula."""
     kappa = (lam + 3 * mu) / (lam + mu)
     c, s, scale = mp.cos(t / 2), mp.sin(t / 2), 1 / (2 * mu * mp.sqrt(2 * mp.pi))
-    if mode == 1:
-        ux, uy = c * (kappa - 1 + 2 * s**2), s * (kappa + 1 - 2 * c**2)
+    if power == 0.5:
+        ux, uy = ((c * (kappa - 1 + 2 * s**2), s * (kappa + 1 - 2 * c**2)), (s * (kappa + 1 + 2 * c**2), -c * (kappa - 1 - 2 * s**2)))[mode - 1]
     else:
-        ux, uy = s * (kappa + 1 + 2 * c**2), -c * (kappa - 1 - 2 * s**2)
+        a = (1, -1j)[mode - 1]
+        u = kappa * a * mp.expj(power * t) - power * mp.conj(a) * mp.expj((2 - power) * t) - (a - power * mp.conj(a)) * mp.expj(-power * t)
+        ux, uy = mp.re(u), mp.im(u)
     return scale * (ux * mp.cos(t) + uy * mp.sin(t)), scale * (-ux * mp.sin(t) + uy * mp.cos(t))
 
 
-def mode_energy(mode, lam, mu, r0, r1):
-    """∫σ(χF):ε(χF) with quintic χ: ε_rr = A f, ε_θθ = B (f + g'), 2 ε_rθ = B f' + (A - B) g, A = (χ√r)', B = χ/√r."""
+def mode_energy(mode, power, lam, mu, r0, r1):
+    """∫σ(χF):ε(χF) with quintic χ: ε_rr = A f, ε_θθ = B (f + g'), 2 ε_rθ = B f' + (A - B) g, A = (χ r^p)', B = χ r^{p-1}, over r1^{2p-1}."""
 
     def radial(i, j):
         def integrand(r):
             t = max((r - r0) / (mp.mpf(r1) - r0), 0)
             chi, slope = 1 - t**3 * (10 - 15 * t + 6 * t**2), -30 * t**2 * (1 - t) ** 2 / (mp.mpf(r1) - r0)
-            factors = slope * r + chi / 2, chi  # A√r, B√r
-            return factors[i] * factors[j]
+            factors = slope * r + power * chi, chi  # A, B over r^{p-1}
+            return factors[i] * factors[j] * (r / r1) ** (2 * power - 1)
 
         return mp.quad(integrand, [0, r0, r1])
 
     def angular(form):
         def integrand(t):
-            f, g = mode_in_polar_components(mode, lam, mu, t)
-            slopes = (mp.diff(lambda s, i=i: mode_in_polar_components(mode, lam, mu, s)[i], t) for i in range(2))
+            f, g = mode_in_polar_components(mode, power, lam, mu, t)
+            slopes = (mp.diff(lambda s, i=i: mode_in_polar_components(mode, power, lam, mu, s)[i], t) for i in range(2))
             return form(f, g, *slopes)
 
         return mp.quad(integrand, [-mp.pi, 0, mp.pi])
@@ -337,12 +339,12 @@ def mode_energy(mode, lam, mu, r0, r1):
 def test_energies_of_modes(place):
     mesh, material = mesh_of(0.2), Elasticity(lam=1.7, mu=0.9)
     body = CrackedMesh(mesh, edge_crack(positions(mesh)[place]))
-    V = CrackFESpace(body, order=1, tip=TipEnrichment(r0=0.05, r1=0.35, material=material, tolerance=1e-10))
+    V = CrackFESpace(body, order=1, tip=TipEnrichment(r0=0.05, r1=0.35, material=material, tolerance=1e-10, order=3))
     u, v = V.TnT()
     energy = matrix(InnerProduct(material.Stress(Strain(u)), Strain(v)) * body.dx)
-    assert len(V.TipDofs(0)) == 2
-    for mode, dof in enumerate(V.TipDofs(0), start=1):
-        assert energy[dof, dof] == pytest.approx(mode_energy(mode, 1.7, 0.9, 0.05, 0.35), rel=2e-8)
+    assert len(V.TipDofs(0)) == 6
+    for number, dof in enumerate(V.TipDofs(0)):
+        assert energy[dof, dof] == pytest.approx(mode_energy(number % 2 + 1, number // 2 + 0.5, 1.7, 0.9, 0.05, 0.35), rel=2e-8)
 
 
 def test_tip_functions_on_the_crack_are_integrated_to_the_tip():

@@ -1,0 +1,60 @@
+"""The powers of r at a tip: errors and rates on Williams' expansion, means over rotated and shifted bodies, for orders 1 to 3 of the space and of its modes.
+
+python benchmarks/tip_orders.py [--realisations 6]
+"""
+
+import argparse
+
+import numpy as np
+from closed_forms import means, rates
+from ngsolve import TaskManager, ngsglobals
+from results import recorded
+
+from ngsxfem_contact import ContactProblem, CrackedMesh, CrackFESpace, TipEnrichment, TraceSpace
+from ngsxfem_contact.exact import closed_forms as cf
+from study.paper import MATERIAL
+
+FIELDS = {  # r^{1/2}, r^{3/2}, r^{5/2}
+    "open, all": (cf.williams_tip(MATERIAL, opening=[1, -1, 1]), (1, 0)),
+    "closed, all": (cf.williams_tip(MATERIAL, sliding=[1, 1, 1], p=1), (0, 1)),
+    "open, 3/2": (cf.williams_tip(MATERIAL, opening=[0, -1]), (0, 0)),
+    "closed, 3/2": (cf.williams_tip(MATERIAL, sliding=[0, 1], p=1), (0, 0)),
+}
+
+
+def case_of(exact, K, order, modes):
+    """case(i, maxh, pair): (energy error, λ error, the larger error of K_I and K_II as coefficients) with modes of an order."""
+
+    def case(i, maxh, pair):
+        angle, offset = cf.position(i)
+        body = CrackedMesh(cf.rotated_square(angle, offset, maxh), cf.crack_on_axis(cf.mouths(angle, offset)[0], 0))
+        V = CrackFESpace(body, order=order, tip=TipEnrichment(r1=0.4, order=modes), material=MATERIAL, dirichlet="outer")
+        problem = ContactProblem(V, TraceSpace(body, order=order - 1))
+        problem.SetDirichlet(exact.u, "outer")
+        solution = problem.Solve()
+        factors = np.subtract(tuple(solution.StressIntensity(method="modes")), K)
+        return cf.energy_error(solution, exact), cf.pressure_error(solution, exact), np.abs(factors).max()
+
+    return case
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--realisations", type=int, default=6)
+    number = parser.parse_args().realisations
+    ngsglobals.msg_level = 0
+    print(f"{'field':12} {'pair':6}{'modes':>6}   rates of energy, λ, K   errors of them at h = 0.1, 0.05, 0.025, 0.0125")
+    with TaskManager():
+        for name, (exact, K) in FIELDS.items():
+            for order in (1, 2, 3):
+                maxhs = [0.1, 0.05, 0.025, 0.0125]
+                for modes in (1, 2, 3):
+                    errors = means(case_of(exact, K, order, modes), maxhs, None, number)
+                    slopes = " ".join(f"{rate:6.2f}" for rate in rates(maxhs, errors))
+                    print(
+                        f"{name:12} P{order}/P{order - 1} {modes:6}   {slopes}   " + "  ".join("/".join(f"{e:.1e}" for e in row) for row in errors), flush=True
+                    )
+
+
+if __name__ == "__main__":
+    recorded(main)
