@@ -34,6 +34,9 @@ class SparseFactors:
     """
 
     def __init__(self, A: csr_matrix) -> None:
+        self.positive, self.size = True, A.shape[0]
+        if not self.size:
+            return
         A = A.tocoo()
         matrix = la.SparseMatrixd.CreateFromCOO(A.row.astype(np.int32), A.col.astype(np.int32), A.data, *A.shape)
         self.factors = matrix.Inverse(inverse="sparsecholesky")
@@ -42,6 +45,8 @@ class SparseFactors:
 
     def Solve(self, rhs: np.ndarray) -> np.ndarray:
         """A⁻¹ rhs."""
+        if not self.size:
+            return rhs
         self.r.FV().NumPy()[:] = rhs
         self.x.data = self.factors * self.r
         return self.x.FV().NumPy().copy()
@@ -116,5 +121,5 @@ def unit_rows(A: csr_matrix, held: np.ndarray) -> csr_matrix:
     """A with rows and columns of a diagonal matrix, of the size of A's diagonal, in place of those that are held."""
     if not held.any():
         return A
-    keep = scipy.sparse.diags_array(~held)
-    return (keep @ A @ keep + scipy.sparse.diags_array(np.where(held, A.diagonal(), 0))).tocsr()
+    keep = scipy.sparse.diags(np.where(held, 0.0, 1.0))
+    return (keep @ A @ keep + scipy.sparse.diags(np.where(held, A.diagonal(), 0))).tocsr()

@@ -5,7 +5,8 @@ With D diagonal the second row of (38) says p = P(y), y = D⁻¹(G - E U), P the
     A U - Eᵀ P(D⁻¹(G - E U)) = F,
 
 for a given threshold s the derivative of a convex function of U. Newton's matrix is A + EᵀH E with H = P'(y) D⁻¹, symmetric and positive definite whatever the
-nodes do. Systems are solved by conjugate gradients as exactly as what the nodes do is known: while it does not change they go on.
+nodes do. Systems are solved by conjugate gradients as exactly as what the nodes do is known: while it does not change they go on. Where it does, without friction, the nodes
+settle: a step of Newton's method around the cracks with all else at rest, which costs new factors and no conjugate gradients.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
     from .nodal_newton import Threshold
 
 ACCURACY = 1e-11  # of the displacement, in the energy norm
-ROUND = 2e-2  # by which conjugate gradients reduce a residual before the nodes are looked at
+ROUND, FRICTION_ROUND = 1e-1, 2e-2  # by which conjugate gradients reduce a residual before the nodes are looked at; with friction each look costs new factors
+SETTLED = 20  # steps after which nodes are not settled any more, so that the energy falls at each step
 ROUND_OFF = 1e-8  # of the largest y: nodes change sides by more
 MOST = 500  # steps of conjugate gradients for one matrix
 NOT_POSITIVE = "K - K_γ is not positive definite, γ is too large: take a smaller gamma0, or BarbosaHughes(), which chooses γ itself"
@@ -165,28 +167,48 @@ class CondensedNewton:
             Where A is not positive definite.
         """
         for number in range(max_iterations):
-            self.matrix.Set(self.terms.Matrix(self.law.slope))
-            if not self.matrix.positive:
-                raise NotCoercive(f"{NOT_POSITIVE} (a pivot around the cracks is negative)")
+            self._factorise()
+            if self.terms.threshold is None and 0 < number < SETTLED:
+                self._settle()
             if self._step(first=number == 0):
                 slip = np.linalg.norm(self.y[1:], axis=0) > self.law.s * (1 + 1e-9)
                 return CondensedResult(self.U, self.law.p, self.contact, slip, self.linear_iterations)
-            self.contact.append(self.law.contact)
+            self.contact.append(self.law.contact)  # those of the next step, when it begins
         raise NotConverged(
             f"the nodes still changed after {max_iterations} iterations (in contact {[int(a.sum()) for a in self.contact[-5:]]}): allow more by max_iterations=..., "
             "or give a better start=..."
         )
 
+    def _factorise(self) -> None:
+        self.matrix.Set(self.terms.Matrix(self.law.slope))
+        if not self.matrix.positive:
+            raise NotCoercive(f"{NOT_POSITIVE} (a pivot around the cracks is negative)")
+
+    @property
+    def _rhs(self) -> np.ndarray:
+        """Of Newton's equation."""
+        return self.F + self.terms.E.T @ self.law.p.ravel() - self.AU
+
+    def _settle(self) -> None:
+        """A step around the cracks."""
+        before, rhs = self.law, self._rhs
+        self._move_to(self.U + self.matrix.Extend(np.zeros(len(self.matrix.body)), rhs))
+        self.law = self.terms.At(self.y, before.contact)
+        if not before.IsSame(self.law):
+            self._factorise()
+            self.contact[-1] = self.law.contact
+
     def _step(self, first: bool) -> bool:
         """Towards the solution for the linearised P, and P there; True: that is the solution."""
-        rhs = self.F + self.terms.E.T @ self.law.p.ravel() - self.AU
+        rhs = self._rhs
         found = ConjugateGradients(self.matrix.Apply, self.matrix.Precondition, self.matrix.Condense(rhs))
         size = 0.0 if first else self.size
         self.linear_iterations.append(0)
         if found.size <= ACCURACY * size:
             return True
+        part = ROUND if self.terms.threshold is None else FRICTION_ROUND
         while True:
-            self._iterate(found, max(ROUND * found.size, 0.5 * ACCURACY * size))
+            self._iterate(found, max(part * found.size, 0.5 * ACCURACY * size))
             delta = self.matrix.Extend(found.x, rhs)
             there = self.terms.At(self.terms.Trial(self.U + delta), self.law.contact)
             if not self.law.IsSame(there):
@@ -205,11 +227,11 @@ class CondensedNewton:
 
     def _iterate(self, found: ConjugateGradients, size: float) -> None:
         """Steps of conjugate gradients until the residual is as small as a number."""
-        while found.size > size:
-            found.Step()
-            self.linear_iterations[-1] += 1
+        while found.size > size or not found.positive:
             if not found.positive:
                 raise NotCoercive(f"conjugate gradients met a displacement of negative energy: {NOT_POSITIVE}")
+            found.Step()
+            self.linear_iterations[-1] += 1
             if len(found.gains) >= MOST:
                 raise NotConverged(
                     f"conjugate gradients left {found.size:.1e} of the energy norm, which should be {size:.1e}, after {MOST} steps: look for flat elements, or moduli that differ by "

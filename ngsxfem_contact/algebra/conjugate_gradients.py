@@ -49,7 +49,7 @@ class ConjugateGradients:
     gains
         What each step added to x·Ax.
     positive
-        Whether A was so in all directions up to now.
+        Whether A and M were so in all directions up to now.
     """
 
     def __init__(self, A: Callable[[np.ndarray], np.ndarray], M: Callable[[np.ndarray], np.ndarray], r: np.ndarray) -> None:
@@ -57,7 +57,7 @@ class ConjugateGradients:
         self.p = M(r)
         self.rz = float(r @ self.p)
         self.gains: list[float] = []
-        self.positive = True
+        self.positive = self.rz >= 0
 
     @property
     def size(self) -> float:
@@ -68,13 +68,13 @@ class ConjugateGradients:
         """The next approximation."""
         q = self.A(self.p)
         curvature = float(self.p @ q)
-        self.positive = self.positive and curvature > 0
         step = self.rz / curvature
         self.x += step * self.p
         self.r -= step * q
         self.gains.append(step * self.rz)
         z = self.M(self.r)
         self.rz, before = float(self.r @ z), self.rz
+        self.positive = self.positive and curvature > 0 and self.rz >= 0
         self.p = z + self.rz / before * self.p
 
 

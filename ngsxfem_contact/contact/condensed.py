@@ -16,7 +16,6 @@ from ..algebra.elimination import CG, ReducedVector
 from ..algebra.matrices import csr_view
 from ..algebra.multigrid import REMEDY, is_available, rigid_motions
 from ..algebra.symmetric_system import SymmetricSystem
-from ..errors import NotCoercive
 from ..spaces.unknowns import Unknowns
 from .assembled import AssembledProblem, NodalSolution, is_on
 from .cones import Nonpositive
@@ -82,7 +81,7 @@ class CondensedProblem(AssembledProblem):
             raise ImportError(f"inverse={CG!r} needs pyamg: {REMEDY}")
         self.exchange.Refuse(f"inverse={CG!r}")
         if problem.body.cracks and not problem.stabilisation.IsSafe(problem.V, problem.material, problem.law.components):
-            raise NotCoercive(
+            raise NotCondensed(
                 f"{problem.stabilisation}: γ is not proved to be small enough, and conjugate gradients cannot tell; take BarbosaHughes(), which chooses γ itself"
             )
 
