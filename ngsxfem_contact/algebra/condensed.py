@@ -5,8 +5,8 @@ uncracked body. C is eliminated, for each H by a sparse factorisation of its blo
 
     A_oo - A_oC M⁻¹ A_Co    on o,
 
-preconditioned by the multigrid of the uncracked body, A on o and on its functions around the cracks. That is a symmetric multiplicative Schwarz method of two subspaces, which
-share these functions. With one process vectors are what they are; of several processes right-hand sides and residuals would be additive, solutions and directions consistent.
+preconditioned by the multigrid of the uncracked body, A on o and on its functions around the cracks. That is a symmetric multiplicative Schwarz method of two
+subspaces, which share these functions. With one process vectors are what they are; of several processes right-hand sides and residuals would be additive, solutions and directions consistent.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class CondensedMatrix:
     """
 
     def __init__(self, A: csr_matrix, free: np.ndarray, E: csr_matrix, nodes: np.ndarray, near_kernel: np.ndarray) -> None:
-        self.A, self.free, self.E = A, free, E
+        self.A = A
         around = np.ones(A.shape[0], dtype=bool)
         around[nodes.ravel()] = False
         around[np.unique(E.indices)] = True

@@ -32,7 +32,7 @@ ROUND, FRICTION_ROUND = 1e-1, 2e-2  # by which conjugate gradients reduce a resi
 SETTLED = 20  # steps after which nodes are not settled any more, so that the energy falls at each step
 ROUND_OFF = 1e-8  # of the largest y: nodes change sides by more
 MOST = 500  # steps of conjugate gradients for one matrix
-NOT_POSITIVE = "K - K_γ is not positive definite, γ is too large: take a smaller gamma0, or BarbosaHughes(), which chooses γ itself"
+NOT_POSITIVE = "K - K_γ is not positive definite: look for terms of problem.a with negative stiffness, or take BarbosaHughes(), which chooses γ itself"
 HUGE = 1e200  # a threshold below which all nodes stick
 
 
@@ -234,8 +234,8 @@ class CondensedNewton:
             self.linear_iterations[-1] += 1
             if len(found.gains) >= MOST:
                 raise NotConverged(
-                    f"conjugate gradients left {found.size:.1e} of the energy norm, which should be {size:.1e}, after {MOST} steps: look for flat elements, or moduli that differ by "
-                    'many orders of magnitude; inverse="sparsecholesky" solves directly'
+                    f"conjugate gradients left {found.size:.1e} in the energy norm, which should be {size:.1e}, after {MOST} steps: look for flat elements, or "
+                    'moduli that differ by many orders of magnitude; inverse="sparsecholesky" solves directly'
                 )
 
     def _part(self, delta: np.ndarray) -> float:

@@ -340,7 +340,9 @@ class ContactProblem(Described):
         NotConverged
             If an iteration stops before its goal, or the answer does not satisfy its own equations.
         ValueError
-            For data that are not finite, and for a previous solution with other cracks.
+            For data that are not finite, for a previous solution with other cracks, and for what "cg" is not there for.
+        ImportError
+            For "cg", and for bodies in space that are too large for factors, where pyamg is not installed.
 
         Notes
         -----
