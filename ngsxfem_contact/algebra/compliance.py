@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from .elimination import unit_scale
+from .symmetric_system import unit_scale
 
 
 class Compliance:

@@ -32,6 +32,52 @@ class Found:
         return self.gains[-1] * factor / (1 - factor)
 
 
+class ConjugateGradients:
+    """A x = r step by step, from x = 0.
+
+    Parameters
+    ----------
+    A, M
+        Symmetric and positive (semi-)definite, as functions of vectors; x stays in the range of M.
+    r
+        Taken over, and changed.
+
+    Attributes
+    ----------
+    x, r
+        The approximation, and what is left of the right-hand side.
+    gains
+        What each step added to x·Ax.
+    positive
+        Whether A and M were so in all directions up to now.
+    """
+
+    def __init__(self, A: Callable[[np.ndarray], np.ndarray], M: Callable[[np.ndarray], np.ndarray], r: np.ndarray) -> None:
+        self.A, self.M, self.r, self.x = A, M, r, np.zeros(len(r))
+        self.p = M(r)
+        self.rz = float(r @ self.p)
+        self.gains: list[float] = []
+        self.positive = self.rz >= 0
+
+    @property
+    def size(self) -> float:
+        """√(r·Mr), of r."""
+        return float(np.sqrt(max(self.rz, 0)))
+
+    def Step(self) -> None:
+        """The next approximation."""
+        q = self.A(self.p)
+        curvature = float(self.p @ q)
+        step = self.rz / curvature
+        self.x += step * self.p
+        self.r -= step * q
+        self.gains.append(step * self.rz)
+        z = self.M(self.r)
+        self.rz, before = float(self.r @ z), self.rz
+        self.positive = self.positive and curvature > 0 and self.rz >= 0
+        self.p = z + self.rz / before * self.p
+
+
 def conjugate_gradients(A: Callable[[np.ndarray], np.ndarray], M: Callable[[np.ndarray], np.ndarray], r: np.ndarray, accuracy: float, most: int) -> Found:
     """Solves A x = r with the preconditioner M until what is missing of the energy is less than `accuracy` of it, in `most` steps at most.
 
@@ -40,19 +86,10 @@ def conjugate_gradients(A: Callable[[np.ndarray], np.ndarray], M: Callable[[np.n
     A, M
         Symmetric and positive (semi-)definite, as functions of vectors; x stays in the range of M.
     """
-    x, r, gains = np.zeros(len(r)), r.copy(), []
-    z = M(r)
-    p, rz = z, r @ z
-    found = Found(x, gains)
-    while rz > 0 and len(gains) < most:
-        q = A(p)
-        step = rz / (p @ q)
-        x += step * p
-        r -= step * q
-        gains.append(step * rz)
-        if len(gains) > 1 and found.missing <= accuracy * found.energy:
+    iteration = ConjugateGradients(A, M, r.copy())
+    found = Found(iteration.x, iteration.gains)
+    while iteration.rz > 0 and len(found.gains) < most:
+        iteration.Step()
+        if len(found.gains) > 1 and found.missing <= accuracy * found.energy:
             break
-        z = M(r)
-        rz, before = r @ z, rz
-        p = z + rz / before * p
     return found

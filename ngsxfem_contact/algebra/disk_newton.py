@@ -37,6 +37,13 @@ def projection(y: np.ndarray, s: np.ndarray) -> np.ndarray:
     return np.array([np.minimum(0, y[0]), *(s / np.maximum(np.maximum(s, np.linalg.norm(y[1:], axis=0)), TINY) * y[1:])])
 
 
+def slope_of_disks(y: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """(2, 2, m): the derivative of the projection onto disks by y, (2, m)."""
+    size = np.maximum(np.linalg.norm(y, axis=0), TINY)
+    slip, e = size > s, y / size
+    return np.minimum(s, size) / size * (np.eye(2)[:, :, None] - np.where(slip, 1.0, 0.0) * e[:, None] * e[None])
+
+
 @dataclass
 class DiskResult:
     """The solution p, (3, m); per iteration the nodes in contact, and at the end those that slip, boolean; changes of the threshold of a fixed point."""
@@ -79,11 +86,10 @@ class DiskProblem:
         """Newton's correction, (3, m)."""
         m, y = p.shape[1], self.Trial(p)
         s, size = self.Threshold(p, y), np.maximum(np.linalg.norm(y[1:], axis=0), TINY)
-        contact, slip = y[0] < 0, size > s
-        e, ratio = y[1:] / size, np.where(slip, s / size, 1.0)
+        contact, slip, e = y[0] < 0, size > s, y[1:] / size
         # rows: P p' + W w', W = r (projection's derivative) where it is not the identity
         slope = np.where(contact & (p[0] < 0), -self.threshold.slope, 0.0)
-        turn = ratio * (np.eye(2)[:, :, None] - np.where(slip, 1.0, 0.0) * e[:, None] * e[None])  # derivative of the projection by y, (2, 2, m)
+        turn = slope_of_disks(y[1:], s)
         J = np.zeros((3, m, 3 * m))
         Q = self.Q.reshape(3, m, 3 * m)
         node = np.arange(m)

@@ -15,8 +15,9 @@ from .. import _ngsxfem_contact as core
 from ..processes import Exchange
 from ..protocols import DirectSolver
 from . import pardiso
-from .matrices import csr_view, mask
+from .matrices import csr_view
 from .substructuring import Substructuring
+from .symmetric_system import SymmetricSystem, unit_scale
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix, csr_matrix
 
 FEW = 8  # unknowns of a border whose columns are kept, so that each further solve is one back-substitution
+CG = "cg"  # the name of conjugate gradients, which eliminate nothing: see contact.condensed
 PARDISO_PAYS = 30_000  # unknowns; below, NGSolve's sparse Cholesky is as fast or faster (docs/measured.md)
 
 
@@ -73,6 +75,8 @@ def factorise(matrix: BaseMatrix, inner: BitArray, K: scipy.sparse.csc_matrix, i
     if inverse == Substructuring.name:
         return Substructuring(matrix, inner, K, exchange)
     exchange.Refuse(f"inverse={inverse!r}")
+    if inverse == CG:
+        raise ValueError(f"inverse={CG!r} is there for contact problems of bodies in space; here the displacements are eliminated, by a direct solver")
     if inverse == "sparsecholesky":
         return PartialFactorisation(matrix, inner, K)
     if inverse == "pardiso":
@@ -112,13 +116,7 @@ class ReducedVector:
         return ReducedVector(factor * self.rhs, factor * self.border, factor * self.crack)
 
 
-def unit_scale(diagonal: np.ndarray) -> np.ndarray:
-    """1/√|a_ii|, which makes a diagonal of ±1; 1 where it is zero."""
-    size = np.sqrt(np.abs(diagonal))
-    return 1 / np.where(size > 0, size, 1)
-
-
-class Elimination:
+class Elimination(SymmetricSystem):
     """A symmetric positive definite matrix A, factorised, and S = C A⁻¹ Cᵀ for a sparse C (m, ndof).
 
     Long rows would ruin the ordering of a sparse factorisation: they stay outside of it, as a border, eliminated by block elimination.
@@ -152,10 +150,8 @@ class Elimination:
         inverse: str | None = None,
         exchange: Exchange = Exchange(),
     ) -> None:
-        self.exchange = exchange
-        self.matrix, self.C = matrix, scipy.sparse.csr_matrix((0, matrix.height)) if C is None else C
-        self.fixed = ~mask(free)
-        self.scale = np.where(self.fixed, 0, unit_scale(exchange.Cumulated(csr_view(matrix).diagonal())))
+        super().__init__(matrix, free, exchange)
+        self.C = scipy.sparse.csr_matrix((0, matrix.height)) if C is None else C
         self.border = np.array([dof for dof in border if free[int(dof)]], dtype=int)
         inner = BitArray(free)
         for dof in self.border:
@@ -215,17 +211,3 @@ class Elimination:
         """The same with one step of iterative refinement."""
         x = self.Solve(rhs)
         return x + self.Solve(self.exchange.Additive(self.Residual(rhs, x)))
-
-    def RelativeResidual(self, forces: Sequence[np.ndarray], x: np.ndarray) -> float:
-        """Of A x = Σ forces, each row divided by √A_ii, so that no unit counts; relative to the largest of the terms that cancel."""
-        terms = [self.scale * self.exchange.Cumulated(force) for force in forces] + [x[~self.fixed] / self.scale[~self.fixed]]
-        size = self.exchange.Max(max(np.abs(term).max(initial=0) for term in terms))
-        residual = self.exchange.Max(np.abs(self.scale * self.Residual(np.sum(forces, axis=0), x)).max(initial=0))
-        return float(residual / size) if size else 0.0
-
-    def Residual(self, rhs: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """rhs - A x on the free unknowns, zero on the others."""
-        r, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
-        r.FV().NumPy()[:] = x
-        y.data = self.matrix * r
-        return np.where(self.fixed, 0, self.exchange.Cumulated(rhs - y.FV().NumPy()))

@@ -10,8 +10,9 @@ import scipy
 from ngsolve import CF, BilinearForm, Grad, InnerProduct, specialcf
 
 from ..algebra.compliance import Compliance
-from ..algebra.elimination import Elimination, unit_scale
+from ..algebra.elimination import Elimination
 from ..algebra.matrices import csr_view, mask, to_scipy
+from ..algebra.symmetric_system import unit_scale
 from ..errors import NotCoercive, SingularSystem, warn
 from ..operators import NormalGap
 from ..spaces.exchange import exchange_of

@@ -13,8 +13,8 @@ import numpy as np
 from ngsolve import BitArray
 from ngsolve.la import DiagonalMatrix, EigenValues_Preconditioner
 
-from ..algebra.elimination import unit_scale
 from ..algebra.matrices import csr_view
+from ..algebra.symmetric_system import unit_scale
 from ..errors import SingularSystem
 from ..spaces.negligible import without_negligible
 from ..spaces.unknowns import Unknowns

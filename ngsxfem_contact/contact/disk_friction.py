@@ -59,9 +59,7 @@ class DiskFriction:
         result = self._solve(DiskProblem(Q, q, threshold), p, max_iterations)
         report.iterations, report.active, report.method = len(result.contact), result.contact, result.method
         report.threshold_changes = result.threshold_changes
-        contact, slip = result.contact[-1], result.slip
-        fractions = {"open": ~contact, "stick": contact & ~slip, "slip": contact & slip}
-        report.states = {name: float(nodes.mean()) if n else 0.0 for name, nodes in fractions.items()}
+        report.states = fractions(result.contact[-1], result.slip)
         return result.p.ravel()
 
     def _solve(self, problem: DiskProblem, p: np.ndarray, max_iterations: int) -> DiskResult:
@@ -131,6 +129,12 @@ class FrictionByCrack:
             here, own = nodes.cracks == crack, law.Threshold(nodes, cone)
             base[here], slope[here], in_contact_only[here] = own.base[here], own.slope[here], own.in_contact_only
         return Threshold(base, slope, in_contact_only)
+
+
+def fractions(contact: np.ndarray, slip: np.ndarray) -> dict[str, float]:
+    """How much of the nodes is open, sticks and slips; contact, slip: (n,) bool."""
+    nodes = {"open": ~contact, "stick": contact & ~slip, "slip": contact & slip}
+    return {name: float(those.mean()) if len(those) else 0.0 for name, those in nodes.items()}
 
 
 def slip_since(w: np.ndarray, faces: Faces) -> np.ndarray:

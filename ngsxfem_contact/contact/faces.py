@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..algebra.compliance import Compliance
+
 if TYPE_CHECKING:
-    from ..algebra.compliance import Compliance
     from ..protocols import Cone, Nodes
 
 
@@ -153,7 +154,7 @@ class Faces:
     Parameters
     ----------
     compliance
-        Q.
+        Q; empty, as `own`, where the displacements are not eliminated.
     own
         (k n,), what the traction at a node moves itself: the diagonal of Q, whatever parts of the body only the faces hold.
     history
@@ -170,8 +171,8 @@ class Faces:
 
     nodes: Nodes
     cone: Cone
-    compliance: Compliance
-    own: np.ndarray
+    compliance: Compliance = field(default_factory=lambda: Compliance(np.zeros((0, 0))))
+    own: np.ndarray = field(default_factory=lambda: np.zeros(0))
     history: FaceHistory | None = None
     motions: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     pull: np.ndarray = field(default_factory=lambda: np.zeros(0))

@@ -12,7 +12,6 @@ from .options import Start, StepOptions
 from .problem import ContactProblem
 from .profile import step_values
 from .solution import ContactSolution
-from .solver import ReducedProblem
 
 logger = logging.getLogger(__name__)
 
@@ -56,7 +55,7 @@ class LoadSteps:
                 raise ValueError("LoadSteps: SetDirichlet has freed or fixed components since a load case was made; all cases need the same ones")
             if case.load.acts_on_faces:
                 check_unchanged(case.load, case.F, problem.V, "a LoadCase was made")
-        self.reduced = ReducedProblem(problem, inverse)
+        self.reduced = problem.Reduced(inverse)
         self.cases = [self.reduced.case] if cases is None else [self.reduced.Reduce(case) for case in cases]
         if not self.cases:
             raise ValueError("LoadSteps: there is no load case; give LoadCase(problem) objects, or None for what the problem holds")

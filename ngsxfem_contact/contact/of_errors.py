@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 from ..estimate.error_estimate import ErrorEstimate
 
 if TYPE_CHECKING:
+    from .assembled import AssembledProblem
     from .solution import ContactSolution
     from .solver import ReducedProblem
 
@@ -14,14 +15,14 @@ if TYPE_CHECKING:
 class OfErrors:
     """The part of a ContactSolution that estimates its error, and the factors that this takes."""
 
-    _reduced: ReducedProblem | None = None
+    _reduced: AssembledProblem | None = None
 
     @property
     def reduced(self) -> ReducedProblem:
         """The ReducedProblem of the solve, with its factors; made again where they are gone."""
         if self._reduced is None:
             self._reduced = self._whole.problem.Reduced()
-        return self._reduced
+        return cast("ReducedProblem", self._reduced)
 
     @property
     def _whole(self) -> ContactSolution:

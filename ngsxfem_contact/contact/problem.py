@@ -30,8 +30,8 @@ from .options import Start, StepOptions
 from .problem_data import check_modes, given_stresses, law_of, material_of
 from .solids import check_supported, law_at_nodes, law_in
 from .solution import ContactSolution
-from .solver import ReducedProblem
 from .stabilisation import BarbosaHughes, Unstabilised, softened, trait
+from .strategy import assembled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
     from ..description import Lines
     from ..material import Coefficient
+    from .assembled import AssembledProblem
     from .faces import FaceHistory
 
 
@@ -316,7 +317,7 @@ class ContactProblem(Described):
         ----------
         inverse
             NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for large problems where MKL is
-            installed.
+            installed. Of bodies in space "cg", conjugate gradients with multigrid (pyamg), which are the default for large ones; the report says so.
         cone
             "nonpositive" or "weak"; default the problem's.
         start
@@ -338,7 +339,9 @@ class ContactProblem(Described):
         NotConverged
             If an iteration stops before its goal, or the answer does not satisfy its own equations.
         ValueError
-            For data that are not finite, and for a previous solution with other cracks.
+            For data that are not finite, for a previous solution with other cracks, and for what "cg" is not there for.
+        ImportError
+            For "cg", and for bodies in space that are too large for factors, where pyamg is not installed.
 
         Notes
         -----
@@ -347,15 +350,15 @@ class ContactProblem(Described):
         options = StepOptions(cone, start, max_iterations, previous)
         return self.Reduced(inverse).Solve(options)
 
-    def Reduced(self, inverse: str | None = None) -> ReducedProblem:
-        """The problem with its displacements eliminated, a ReducedProblem.
+    def Reduced(self, inverse: str | None = None) -> AssembledProblem:
+        """The problem with all done that does not depend on loads and starts: a ReducedProblem, its displacements eliminated, or a CondensedProblem.
 
         Parameters
         ----------
         inverse
             As for Solve.
         """
-        return ReducedProblem(self, inverse)
+        return assembled(self, inverse)
 
 
 def is_zero(value: Any) -> bool:

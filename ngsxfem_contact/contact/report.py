@@ -25,7 +25,11 @@ class Report:
     Attributes
     ----------
     inverse
-        The direct solver.
+        The solver, as in Solve(inverse=...).
+    choice
+        Why this one, where nobody asked for it.
+    linear_iterations
+        Of conjugate gradients, for each matrix, one in each iteration of the active set; empty for direct solvers.
     active
         The active set of each iteration, the first is where it started.
     coarse_iterations
@@ -80,6 +84,8 @@ class Report:
     projection: int | None = None
     states: dict[str, float] = field(default_factory=dict)
     work: FaceWork = FaceWork()
+    choice: str = ""
+    linear_iterations: list[int] = field(default_factory=list)
 
     def Counts(self) -> dict[str, int]:
         """Nodes in contact and, with friction, nodes that stick and slip either way, at the end."""
@@ -87,6 +93,12 @@ class Report:
         if self.tangential:
             counts |= {name: int((self.tangential[-1] == code).sum()) for name, code in (("stick", STICK), ("slip+", SLIP_PLUS), ("slip-", SLIP_MINUS))}
         return counts
+
+    def _solver_line(self) -> str:
+        why = f" ({self.choice})" if self.choice else ""
+        if not self.linear_iterations:
+            return f"direct solver    {self.inverse}{why}"
+        return f"solver           {self.inverse}{why}: {sum(self.linear_iterations)} conjugate gradients, {' '.join(map(str, self.linear_iterations))}"
 
     def _projection_lines(self) -> list[str]:
         if self.projection is None:
@@ -120,7 +132,7 @@ class Report:
         return "\n".join(
             [
                 f"unknowns         {self.unknowns[0]} displacement, {self.unknowns[1]} multiplier",
-                f"direct solver    {self.inverse}",
+                self._solver_line(),
                 f"converged        {'not checked yet' if self.converged is None else self.converged} after {self.iterations} {'Newton' if self.states else 'active-set'} iterations ({self.coarse_iterations} on coarser sets before)",
                 f"in contact       {sizes}" + (f"  (+ {self.fallback} safeguarded steps)" if self.fallback else ""),
                 *self._projection_lines(),

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..protocols import FaceLaw
 
 MOST_UNKNOWNS, MOST_MULTIPLIERS = 200_000, 5_000  # a sparse factorisation takes minutes and 5 GB, dense algebra on the nodes 200 MB for each matrix
+CG_PAYS = 30_000  # unknowns; below, direct solvers take seconds
 
 
 @singledispatch
@@ -77,9 +78,14 @@ def check_size(V: core.CrackFESpace, W: Any, law: FaceLaw) -> None:
 @check_size.register(core.SolidFESpace)
 def check_solid_size(V: core.SolidFESpace, W: Any, law: FaceLaw) -> None:
     """The same in space, where factors fill up."""
-    N, m = V.ndof, W.ndof * len(law.components)
+    N, m = size_of(V, W, law)
     if N > MOST_UNKNOWNS or m > MOST_MULTIPLIERS:
         raise ValueError(
-            f"ContactProblem: {N} unknowns and {m} multipliers are too many for the direct solvers that bodies in space have so far, "
-            f"{MOST_UNKNOWNS} and {MOST_MULTIPLIERS} at most: take a coarser mesh away from the sheets, or larger elements"
+            f"ContactProblem: {N} unknowns and {m} multipliers are too many for direct solvers, {MOST_UNKNOWNS} and {MOST_MULTIPLIERS} at most: "
+            'take inverse="cg", which needs pyamg, or a coarser mesh away from the sheets'
         )
+
+
+def size_of(V: Any, W: Any, law: FaceLaw) -> tuple[int, int]:
+    """Unknowns and multipliers, of all components."""
+    return V.ndof, W.ndof * len(law.components)

@@ -34,11 +34,11 @@ if TYPE_CHECKING:
     from ..loads.face_traction import FaceTractions
     from ..loads.reactions import SupportForces, SupportResidual
     from ..operators import Component
+    from .assembled import AssembledProblem
     from .load_case import SolvedCase
     from .mixed_system import PressureField
     from .problem import ContactProblem
     from .report import Report
-    from .solver import ReducedProblem
 
 
 class ContactSolution(Described, AtTips, OnFaces, OfErrors):
@@ -63,7 +63,7 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
     case
         The load of this step, a SolvedCase: F, and the terms it comes from.
     reduced
-        The ReducedProblem that was solved, whose factors serve estimates of errors; a file does not hold it.
+        The AssembledProblem that was solved, whose factors serve estimates of errors; a file does not hold it.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         gamma: CoefficientFunction,
         state: State,
         case: SolvedCase,
-        reduced: ReducedProblem | None = None,
+        reduced: AssembledProblem | None = None,
     ) -> None:
         self.problem, self._recover, self.report, self.gamma, self.state = problem, recover, report, gamma, state
         self.a = problem.a.Copy()

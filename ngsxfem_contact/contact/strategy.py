@@ -1,0 +1,44 @@
+"""How a contact problem is solved: its displacements eliminated by a direct solver, or its multipliers, and conjugate gradients."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
+
+from .. import _ngsxfem_contact as core
+from ..algebra.elimination import CG
+from ..algebra.multigrid import is_available
+from .condensed import CondensedProblem, NotCondensed
+from .solids import CG_PAYS, MOST_MULTIPLIERS, MOST_UNKNOWNS, size_of
+from .solver import ReducedProblem
+
+if TYPE_CHECKING:
+    from .assembled import AssembledProblem
+    from .problem import ContactProblem
+
+
+def assembled(problem: ContactProblem, inverse: str | None) -> AssembledProblem:
+    """The problem ready to be solved by what inverse names: "cg", or a direct solver; None chooses."""
+    if inverse is None:
+        return chosen(problem.V, problem)
+    return CondensedProblem(problem) if inverse == CG else ReducedProblem(problem, inverse)
+
+
+@singledispatch
+def chosen(V: core.CrackFESpace, problem: Any) -> AssembledProblem:
+    """By a direct solver: in the plane factors are small."""
+    return ReducedProblem(problem)
+
+
+@chosen.register(core.SolidFESpace)
+def chosen_in_space(V: core.SolidFESpace, problem: ContactProblem) -> AssembledProblem:
+    """By conjugate gradients where factors or the dense matrix of the nodes would cost more, and pyamg is there; raises ValueError where neither can."""
+    N, m = size_of(problem.V, problem.W, problem.law)
+    too_large = N > MOST_UNKNOWNS or m > MOST_MULTIPLIERS
+    if (N > CG_PAYS and is_available()) or too_large:
+        try:
+            return CondensedProblem(problem, f"{N} unknowns, {m} multipliers: factors would cost more")
+        except NotCondensed:
+            if too_large:
+                raise
+    return ReducedProblem(problem)
