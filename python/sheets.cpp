@@ -105,6 +105,14 @@ static void ExportCutTet (py::module & m)
     .def_readonly("neighbour", &SheetCell::neighbour, "The element on the other side of a face on the plane, which this one carries for both, or None.")
     .def_readonly("kind", &SheetCell::kind, "Its ElementKind: Cut, Tip (a front is inside) or Aligned.")
     .def_property_readonly("polygon", [] (const SheetCell & c) { return ToPairs(c.polygon); }, "The corners in the plane's coordinates, counter-clockwise.")
+    .def_property_readonly("nodes", [] (const SheetCell & c) { return c.nodes; },
+                           "Of each corner of the polygon the two vertices of the mesh, in the order of their numbers, between which the plane cuts the edge; twice the same one on the plane.")
+    .def_property_readonly("chords", [] (const SheetCell & c)
+         {
+           std::vector<std::tuple<size_t,double,double>> chords;
+           for (auto & [loop, chord] : c.chords) chords.push_back({ loop, chord.s0, chord.s1 });
+           return chords;
+         }, "Where the curves that bound the sheet run through the polygon: numbers of loops, and arc lengths from and to.")
     .def_property_readonly("heights", [] (const SheetCell & c) { return c.heights; }, "Heights of the element's corners over the plane, by the numbers of the vertices; 0 on the plane.");
 }
 

@@ -56,6 +56,7 @@ class DiskFriction:
         report.iterations, report.active, report.method = len(result.contact), result.contact, result.method
         report.threshold_changes = result.threshold_changes
         contact, slip = result.contact[-1], result.slip
+        report.slipping = contact & slip
         fractions = {"open": ~contact, "stick": contact & ~slip, "slip": contact & slip}
         report.states = {name: float(nodes.mean()) if n else 0.0 for name, nodes in fractions.items()}
         return result.p.ravel()

@@ -247,7 +247,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         ValueError
             For a crack that is not there and for n < 2.
         """
-        check_plane(self.body, "Profile")
         check_whole(n, "Profile: n", 2)
         return profile(self, crack_number(crack, self.body), n)
 
@@ -274,12 +273,10 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
 
     def Transitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
-        check_plane(self.body, "Transitions")
         return self._changes(self.report.active[-1], crack)
 
     def SlipTransitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
-        check_plane(self.body, "SlipTransitions")
         tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(len(self.state.nodes))
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
@@ -307,7 +304,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         """
         from ..plotting.plots import draw
 
-        check_plane(self.body, "Draw")
         return draw(self, **options)
 
     def SaveVTK(self, path: str | Path) -> str:
@@ -327,7 +323,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         """
         from ..plotting.plots import save_vtk
 
-        check_plane(self.body, "SaveVTK")
         return save_vtk(self, path)
 
     def Save(self, path: str | Path) -> Path:

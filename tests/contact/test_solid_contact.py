@@ -267,9 +267,6 @@ def test_what_is_not_there_in_space():
         with pytest.raises(error, match=message):
             call()
     solution = problem.Solve()
-    for call in (solution.Profile, solution.Transitions, solution.Draw, lambda: solution.SaveVTK("x")):
-        with pytest.raises(ValueError, match="there for plane bodies only"):
-            call()
     with pytest.raises(NotSaved, match="there for plane bodies only"):
         solution.Save("nothing.sol")
     with pytest.raises(ValueError, match="the tube of radius .* meets its own centre of curvature"):
