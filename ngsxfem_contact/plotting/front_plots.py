@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .plots import legend_below, pyplot
+from .plots import pyplot
 from .sheet_trace import SheetTrace
 from .solid_files import along, between_nodes
 from .solid_plots import SheetView
@@ -47,10 +47,10 @@ def plot_front(factors: FrontFactors, ax: Any = None, quantity: str = "K_I") -> 
     segments = np.stack([line[:-1], line[1:]], axis=1)[known]
     coloured = left.add_collection(LineCollection(list(segments), array=middle[known], cmap="viridis", linewidths=4, capstyle="round"))
     coloured.set_clim(min(0, middle[known].min()), max(0, middle[known].max()))
-    left.figure.colorbar(coloured, ax=left, label=label_of(quantity), shrink=0.85)
-    left.plot(*line[0], "o", color="tab:red", markersize=6, label="s = 0")
+    view.Bar(left, coloured, label_of(quantity))
+    left.plot(*line[0], "o", color="tab:red", markersize=6)
+    left.annotate("s = 0", line[0], textcoords="offset points", xytext=(7, -14), color="tab:red")
     view.Name(left)
-    legend_below(left)
     around = np.append(np.arange(len(factors.s)), 0) if front.closed else np.arange(len(factors.s))
     at = np.append(factors.s, front.length + factors.s[0]) if front.closed else factors.s
     for (name, colour), error in zip(NAMES.items(), factors.errors.T):

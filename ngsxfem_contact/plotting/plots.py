@@ -126,7 +126,7 @@ def plot_body(
 
     Notes
     -----
-    The colours leave out the least and the largest 2 % of the values.
+    The colours leave out the least and the largest 2 % of the values. In space u is drawn as linear between points.
     """
     return body_plot(solution.body, solution, ax, scale, field, label, cut)
 

@@ -10,7 +10,7 @@ from ngsolve import CF, BoundaryFromVolumeCF
 from .._ngsxfem_contact import CrackedSolid
 from ..arguments import crack_number
 from .clipping import below, section
-from .plots import LIPS, PROFILES, body_plot, colour_range, legend_below, mesh_plot, profile_plot, pyplot, scene, usual_scale, visible_scale
+from .plots import LIPS, PROFILES, body_plot, mesh_plot, profile_plot, pyplot, scene, usual_scale, visible_scale
 from .sheet_trace import SheetTrace
 from .solid_picture import SolidPicture
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .split_solid import SplitSolid
 
 ELEVATION, TURN = 22, 28  # degrees: from where a section is looked at
+UNDER = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "borderaxespad": 3.2, "ncols": 3, "frameon": False}  # of legends: below the name of the axis
 DARKEST = 0.62  # of the light on faces that look down
 Plane = tuple[np.ndarray, np.ndarray]
 
@@ -41,7 +42,7 @@ def scene_of_solid(body: CrackedSolid, solution: Any, field: CoefficientFunction
     picture = SolidPicture(solution)
     split = picture.split
     values = split.EvaluateInside(solution.VonMises() if field is None else CF(field))
-    low, high = colour_range(values)
+    low, high = colours_of(split, values)
     plane = usual_cut(split)
     defaults: dict[str, Any] = {
         "order": picture.order,
@@ -58,6 +59,16 @@ def scene_of_solid(body: CrackedSolid, solution: Any, field: CoefficientFunction
     deformation = picture.Displacement(visible_scale(split, picture.u, scale))
     # a function that jumps has no values of its own on triangles
     return Draw(BoundaryFromVolumeCF(split.GridFunction(values)), split.mesh, "field", deformation=deformation, **merged)
+
+
+def colours_of(split: SplitSolid, values: np.ndarray) -> np.ndarray:
+    """The range of values (M, 4, dim) without the least and the largest 2 % of what a section shows: tetrahedra count by volume^(2/3), since many small ones are at fronts."""
+    sizes = np.linalg.norm(values, axis=-1) if values.shape[-1] > 1 else values[..., 0]
+    corners = split.points[split.tets]
+    weights = np.repeat(np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) ** (2 / 3), 4)
+    order = np.argsort(sizes.ravel())
+    below = np.cumsum(weights[order]) / weights.sum()
+    return np.asarray(sizes.ravel()[order][np.searchsorted(below, (0.02, 0.98))])
 
 
 def usual_cut(split: SplitSolid) -> Plane | None:
@@ -124,7 +135,7 @@ def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float 
     towards = direction(*view_of(plane))
     triangles, colours, normals = shown(split, split.points + scale * picture.u, values[..., 0], plane)
     front = normals @ towards > 0
-    low, high = colour_range(values)
+    low, high = colours_of(split, values)
     plt = pyplot()
     colour_map, norm = plt.get_cmap("viridis"), plt.Normalize(low, high)
     light = DARKEST + (1 - DARKEST) * np.clip(normals[front] @ np.array([0.35 * towards[0], 0.35 * towards[1], 0.8]), 0, 1)
@@ -139,8 +150,8 @@ def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float 
     low_corner, high_corner = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     ax.set(xlim=(low_corner[0], high_corner[0]), ylim=(low_corner[1], high_corner[1]), zlim=(low_corner[2], high_corner[2]), xlabel="x", ylabel="y", zlabel="z")
     ax.set_box_aspect(high_corner - low_corner)
-    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
-        axis.set_major_locator(plt.MaxNLocator(5))
+    for axis, part in zip((ax.xaxis, ax.yaxis, ax.zaxis), (high_corner - low_corner) / np.ptp([low_corner, high_corner], axis=0).max()):
+        axis.set_major_locator(plt.MaxNLocator(5 if part > 0.6 else 3))
     ax.figure.colorbar(plt.cm.ScalarMappable(norm, colour_map), ax=ax, label=label, extend="both", shrink=0.7, pad=0.08)
     ax.legend(loc="upper left", frameon=False)
     ax.set_title(f"deformed body, displacement × {scale:g}")
@@ -245,6 +256,20 @@ class SheetView:
         """(k, 2, 2): sides of polygons beyond which the sheet does not go on."""
         return self.points[self.trace.outline]
 
+    @property
+    def is_flat(self) -> bool:
+        """Whether the sheet is much wider than high."""
+        width, height = np.ptp(self.outline.reshape(-1, 2), axis=0)
+        return bool(height < 0.5 * width)
+
+    def Bar(self, axis: Any, shown: Any, label: str) -> None:
+        """The scale of colours: below a flat sheet, else beside it."""
+        bar = axis.figure.colorbar(shown, ax=axis, label=label, location="bottom" if self.is_flat else "right", shrink=0.85)
+        if self.is_flat:
+            bar.locator = pyplot().MaxNLocator(5)
+            bar.formatter.set_powerlimits((-3, 4))
+            bar.update_ticks()
+
     def Name(self, axis: Any) -> None:
         """Equal axes of matplotlib with the names of the directions."""
         names = ["xyz"[int(np.argmax(v))] if v.max() == 1 else f"along ({', '.join(f'{c:.3g}' for c in v)})" for v in self.axes]
@@ -258,17 +283,17 @@ def sheet_axes(trace: SheetTrace, ax: Any, fields: Sequence[tuple[str, np.ndarra
 
     number, view = len(fields), SheetView(trace)
     if ax is None:
-        ax = pyplot().subplots(1, number, figsize=(4.8 * number, 4.4), layout="constrained", squeeze=False)[1]
+        ax = pyplot().subplots(1, number, figsize=(4.8 * number, 3.2 if view.is_flat else 4.4), layout="constrained", squeeze=False)[1]
     axes = list(np.ravel(ax))
     polygons = [view.points[loop] for loop, inside in zip(trace.loops, trace.inside) if inside]
     for axis, (label, values) in zip(axes, fields):
         shown = axis.add_collection(PolyCollection(polygons, array=values, cmap="viridis", edgecolors="face", linewidths=0.4))
-        axis.figure.colorbar(shown, ax=axis, label=label, shrink=0.85)
+        view.Bar(axis, shown, label)
         axis.add_collection(LineCollection(list(view.outline), colors="0.3", linewidths=1.0))
         view.Name(axis)
         if len(edge):
             axis.add_collection(LineCollection(list(view.Of(edge)), colors="tab:red", linewidths=1.8, label="edge of contact"))
-            legend_below(axis)
+            axis.legend(**UNDER)
     return axes
 
 
@@ -295,6 +320,6 @@ def mesh_plot_of_solid(body: CrackedSolid, V: Any, ax: Any) -> Any:
             axis.add_collection(PolyCollection(polygons, facecolors="none", edgecolors="0.55", linewidths=0.5))
         axis.add_collection(LineCollection(list(view.outline), colors="tab:red", linewidths=1.6))
         handles = [Patch(color=colour, alpha=0.3, label=label) for chosen, colour, label in kinds if chosen.any()]
-        axis.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
+        axis.legend(handles=handles, **UNDER)
         view.Name(axis)
     return np.ravel(ax)[0] if number == 1 else np.ravel(ax)

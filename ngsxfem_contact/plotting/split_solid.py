@@ -124,10 +124,10 @@ class SplitSolid:
     def _Keys(self, ends: np.ndarray) -> np.ndarray:
         """A number for each edge (..., 2)."""
         low, high = np.moveaxis(np.sort(ends, axis=-1), -1, 0)
-        return low * len(self.points) + high
+        return np.asarray(low * len(self.points) + high)
 
     def _EdgeNumbers(self, ends: np.ndarray) -> np.ndarray:
-        return np.searchsorted(self._Keys(self.edges[0]), self._Keys(ends))
+        return np.asarray(np.searchsorted(self._Keys(self.edges[0]), self._Keys(ends)))
 
     def EvaluateEdges(self, plus: CoefficientFunction, minus: CoefficientFunction, middle: CoefficientFunction) -> np.ndarray:
         """The same at the middles of `edges`; on those between two points of a front, which both lips share, the mean of plus and minus."""
