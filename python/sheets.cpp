@@ -118,6 +118,19 @@ static void ExportCutTet (py::module & m)
 
 static shared_ptr<CrackedSolid> MakeSolid (shared_ptr<MeshAccess> mesh, const std::vector<Sheet> & sheets) { return make_shared<CrackedSolid>(mesh, sheets); }
 
+/// Coefficient functions hold bodies, and are pickled with them: as pointers, which RegisterPyArchiveCaster takes for types that cannot be copied only.
+static void RegisterForArchives ()
+{
+  using Body = shared_ptr<CrackedSolid>;
+  ngcore::detail::PyArchiveCasters casters;
+  casters.shared_to_py = [] (shared_ptr<void> body) -> py::object { return py::cast(std::static_pointer_cast<CrackedSolid>(body)); };
+  casters.py_to_shared = [] (py::handle body) -> shared_ptr<void> { return body.cast<Body>(); };
+  casters.any_to_py = [] (const std::any & body) -> py::object { return py::cast(std::any_cast<Body>(body)); };
+  casters.py_to_any = [] (py::handle body) { return std::any { body.cast<Body>() }; };
+  ngcore::detail::SetPyArchiveCasters(typeid(Body), casters);
+  ngcore::detail::SetPyArchiveCasters(typeid(CrackedSolid), casters);
+}
+
 static void ExportSolid (py::module & m)
 {
   using Solid = CrackedSolid;
@@ -168,7 +181,7 @@ static void ExportSolid (py::module & m)
     .def_property_readonly("dcrack", [] (Body b) { return CutDifferentialSymbol::OnCracks(Measure { b, { Domain::Crack } }); }, "The measure on the cracks.")
     .def(py::pickle([] (const Solid & b) { return py::make_tuple(b.GetMesh(), b.Sheets()); },
                     [] (py::tuple state) { return MakeSolid(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Sheet>>()); }));
-  ngcore::RegisterPyArchiveCaster<CrackedSolid>();        // coefficient functions hold bodies, and are pickled with them
+  RegisterForArchives();
 }
 
 void ExportSheets (py::module & m)

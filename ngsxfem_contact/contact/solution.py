@@ -11,10 +11,8 @@ from ngsolve import GridFunction, Id, Integrate
 from ..algebra.nodal_newton import FREE
 from ..arguments import check_regions, check_whole, crack_number
 from ..description import Described
-from ..errors import NotSaved
 from ..loads.load import LoadTerms, check_unchanged
 from ..operators import NORMAL
-from ..sheets import check_plane
 from ..spaces.incompressible import stress, stress_power
 from .at_tips import AtTips
 from .descriptions import of_solution
@@ -349,7 +347,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         from .saved import save
 
         self.problem.V.share.Refuse("Save")
-        check_plane(self.body, "Save", NotSaved)
         return save(self, path)
 
     @staticmethod

@@ -43,8 +43,8 @@ class SheetTrace:
     loop_cell, inside (n,)
         The number in `cells` of each, and whether it belongs to the sheet.
     triangles (n)
-        Those of each polygon; in the sheet none has all corners on its outline, and no two have a side between points of the outline in common, where a star does it: what
-        lies between points of a front would not open.
+        Those of each polygon, with further points where it belongs to the sheet: none has all corners on its outline, and none shares a side inside a polygon between two
+        points of the outline, since what lies between points of a front only would not open.
     """
 
     def __init__(self, body: CrackedSolid, crack: int) -> None:
@@ -92,12 +92,24 @@ class SheetTrace:
         triangles, around = ear_triangles(self._points, loop), list(zip(loop, [*loop[1:], loop[0]]))
         sides = {frozenset(side) for side in around}
         edges = {frozenset(edge) for a, b, c in triangles for edge in ((a, b), (b, c), (c, a))} - sides
-        if on_outline.issuperset(triangles[0]) or any(edge <= on_outline for edge in edges):
-            for centre in (self._points[loop].mean(axis=0), inner_point(self._points, loop)):
-                if all(twice_area(centre, self._points[p], self._points[q]) > 0 for p, q in around):
-                    number = self._Add(centre)
-                    return [(number, p, q) for p, q in around]
-        return triangles
+        shut = {edge for edge in edges if edge <= on_outline}
+        if not shut and not on_outline.issuperset(triangles[0]):
+            return triangles
+        centre = self._points[loop].mean(axis=0)
+        if all(twice_area(centre, self._points[p], self._points[q]) > 0 for p, q in around):
+            return self._Star(centre, loop)
+        middle = {edge: [self._Add(np.mean([self._places[p] for p in edge], axis=0))] for edge in shut}
+        found: list[Triangle] = []
+        for triangle in triangles:
+            ring = [point for p, q in zip(triangle, (*triangle[1:], triangle[0])) for point in (p, *middle.get(frozenset((p, q)), []))]
+            closed = len(ring) > 3 or on_outline.issuperset(triangle)
+            found += self._Star(np.mean([self._places[p] for p in triangle], axis=0), ring) if closed else [triangle]
+        return found
+
+    def _Star(self, centre: np.ndarray, loop: list[int]) -> list[Triangle]:
+        """The triangles from a new point in the middle of a polygon."""
+        number = self._Add(centre)
+        return [(number, p, q) for p, q in zip(loop, [*loop[1:], loop[0]])]
 
     def _Add(self, place: Any) -> int:
         self._places.append(np.asarray(place, dtype=float))
