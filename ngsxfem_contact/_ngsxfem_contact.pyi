@@ -598,6 +598,10 @@ class SheetCell:
     """What a sheet's plane cuts out of an element, or a face of the mesh on the plane."""
 
     @property
+    def chords(self) -> list[tuple[int, float, float]]:
+        """Where the curves that bound the sheet run through the polygon: numbers of loops, and arc lengths from and to."""
+
+    @property
     def element(self) -> int:
         """The number of the element in the mesh."""
 
@@ -616,6 +620,10 @@ class SheetCell:
     @property
     def neighbour(self) -> int | None:
         """The element on the other side of a face on the plane, which this one carries for both, or None."""
+
+    @property
+    def nodes(self) -> list[typing.Annotated[list[int], "FixedSize(2)"]]:
+        """Of each corner of the polygon the two vertices of the mesh, in the order of their numbers, between which the plane cuts the edge; twice the same one on the plane."""
 
     @property
     def polygon(self) -> list[tuple[float, float]]:

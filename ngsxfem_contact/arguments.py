@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CoefficientFunction
 
+from ._ngsxfem_contact import CrackedSolid
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence, Sized
 
@@ -45,9 +47,9 @@ def check_item(number: Any, items: Sized, what: str, where: str) -> None:
         raise ValueError(f"there is no {what} {number!r}; {where} has {len(items)}, counted from 0")
 
 
-def crack_number(crack: Any, body: CrackedMesh) -> int:
+def crack_number(crack: Any, body: CrackedMesh | CrackedSolid) -> int:
     """The number of a crack that is given by its number or its name. Raises ValueError if there is none."""
-    if isinstance(crack, str):
+    if isinstance(crack, str) and not isinstance(body, CrackedSolid):  # sheets have no names
         return body.CrackNumber(crack)
     check_item(crack, body.cracks, "crack", "body.cracks")
     return int(crack)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
 try:
     import fcntl
@@ -38,16 +38,25 @@ def write_whole(path: Path, write: Callable[[Path], Any], end: bytes = b"") -> P
     OSError
         If the file could not be written completely; then there is no new file, and an old one is left as it was.
     """
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"{path} cannot be written: there is no folder {path.parent}; create it first")
-    if path.is_dir():
-        raise IsADirectoryError(f"{path} cannot be written: it is a folder; give the name of a file in it")
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        temporary = Path(folder) / path.name
-        write(temporary)
-        check_complete(temporary, path, end)
-        os.replace(temporary, path)
+    write_all([(path, write, end)])
     return path
+
+
+def write_all(files: Sequence[tuple[Path, Callable[[Path], Any], bytes]]) -> None:
+    """The same for some files of one folder, (path, write, end) each: none is moved to its place before all are complete."""
+    folder = files[0][0].parent
+    if not folder.is_dir():
+        raise FileNotFoundError(f"{files[0][0]} cannot be written: there is no folder {folder}; create it first")
+    for path, _, _ in files:
+        if path.is_dir():
+            raise IsADirectoryError(f"{path} cannot be written: it is a folder; give the name of a file in it")
+    with tempfile.TemporaryDirectory(dir=folder, prefix=f".{files[0][0].name}.") as beside:
+        for path, write, end in files:
+            temporary = Path(beside) / path.name
+            write(temporary)
+            check_complete(temporary, path, end)
+        for path, _, _ in files:
+            os.replace(Path(beside) / path.name, path)
 
 
 def check_complete(temporary: Path, path: Path, end: bytes) -> None:

@@ -115,21 +115,23 @@ def reduce_proxy(proxy: comp.ProxyFunction) -> Any:
     return proxy_of, (proxy.space, core.IsTestFunction(proxy), core.OperatorName(proxy))
 
 
-def special(name: str) -> CoefficientFunction:
-    """A function of NGSolve's specialcf in the plane."""
+def special(name: str, dimension: int) -> CoefficientFunction:
+    """A function of NGSolve's specialcf in the plane, or in space."""
     function = getattr(specialcf, name)
-    return function if isinstance(function, CoefficientFunction) else function(2)
+    return function if isinstance(function, CoefficientFunction) else function(dimension)
 
 
-SPECIAL = {core.NameOf(special(name)): (special, (name,)) for name in ("normal", "tangential", "mesh_size")}
+SPECIAL = {
+    (core.NameOf(special(name, dim)), special(name, dim).dim): (special, (name, dim)) for name in ("normal", "tangential", "mesh_size") for dim in (3, 2)
+}
 
 
 def reduce_function(function: CoefficientFunction) -> Any:
     """As NGSolve, but for the functions of `specialcf`."""
-    return SPECIAL.get(core.NameOf(function)) or function.__reduce_ex__(2)
+    return SPECIAL.get((core.NameOf(function), function.dim)) or function.__reduce_ex__(2)
 
 
-def functional_of(function: Any, point: tuple[float, float]) -> PointEvaluationFunctional:
+def functional_of(function: Any, point: tuple[float, ...]) -> PointEvaluationFunctional:
     """The value of a form's function in a point."""
     return function(*point)
 

@@ -44,6 +44,12 @@ def mesh_points(mesh: Mesh, elements: np.ndarray, *reference: np.ndarray) -> np.
     return points
 
 
+def reference_coordinates(mesh: Mesh, elements: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """xi, eta, zeta, (n, 3), of places (n, 3) in straight tetrahedra (n,)."""
+    corners = np.array(mesh.ngmesh.Coordinates())[element_vertices(mesh)[elements]]
+    return np.linalg.solve(np.swapaxes(corners[:, :3] - corners[:, 3:], 1, 2), (places - corners[:, 3])[..., None])[..., 0]
+
+
 def boundary_points(mesh: Mesh, elements: np.ndarray, *reference: np.ndarray) -> np.ndarray:
     """NGSolve's mesh points at reference coordinates in elements of the boundary, (n,) each; what is left out is 0."""
     points = mesh_points(mesh, elements, *reference, *[np.zeros(len(elements))] * (3 - len(reference)))

@@ -9,13 +9,25 @@ using ngcomp::Region;
 
 using Division = std::vector<std::vector<double>>;
 
+static py::object ToPython (const shared_ptr<const CrackedBody> & body)
+{
+  if (auto plane = dynamic_pointer_cast<const CrackedMesh>(body)) return py::cast(const_pointer_cast<CrackedMesh>(plane));
+  return py::cast(const_pointer_cast<CrackedSolid>(dynamic_pointer_cast<const CrackedSolid>(body)));
+}
+
+static shared_ptr<const CrackedBody> ToBody (const py::object & body)
+{
+  if (py::isinstance<CrackedMesh>(body)) return body.cast<shared_ptr<CrackedMesh>>();
+  return body.cast<shared_ptr<CrackedSolid>>();
+}
+
 static py::tuple WrittenTerm (const FormTerm & term)
 {
   auto place = PlaceOf(term);
   auto arclengths = dynamic_pointer_cast<const ArcLengths>(place.kind.division);
-  return py::make_tuple(term.integral->cf, const_pointer_cast<CrackedMesh>(place.body), place.kind.domain, place.kind.crack,
+  return py::make_tuple(term.integral->cf, ToPython(place.body), place.kind.domain, place.kind.crack,
                         arclengths ? std::optional<Division>(arclengths->All()) : std::nullopt,
-                        place.vb != VOL, place.bonus_intorder, place.elements, place.regions);
+                        place.vb != VOL, place.bonus_intorder, place.elements, place.regions, place.fronts);
 }
 
 static FormTerm ReadTerm (py::tuple t)
@@ -23,7 +35,7 @@ static FormTerm ReadTerm (py::tuple t)
   using Bits = shared_ptr<ngcore::BitArray>;
   auto arclengths = t[4].cast<std::optional<Division>>();
   RuleKind kind { t[2].cast<Domain>(), arclengths ? make_shared<ArcLengths>(*arclengths) : nullptr, t[3].cast<std::optional<size_t>>() };
-  TermPlace place { t[1].cast<shared_ptr<CrackedMesh>>(), kind, t[5].cast<bool>() ? BND : VOL, t[6].cast<int>(), t[7].cast<Bits>(), t[8].cast<Bits>() };
+  TermPlace place { ToBody(t[1]), kind, t[5].cast<bool>() ? BND : VOL, t[6].cast<int>(), t[7].cast<Bits>(), t[8].cast<Bits>(), t[9].cast<std::optional<FrontDemand>>() };
   return TermAt(place, t[0].cast<shared_ptr<CoefficientFunction>>());
 }
 
@@ -34,11 +46,7 @@ void ExportFormTerms (py::module & m)
   py::class_<FormTerm>(m, "FormTerm", "One integral of a form: its measure, and which functions of which spaces it holds.")
     .def_property_readonly("form", [] (const FormTerm & term) { return make_shared<SumOfIntegrals>(term.integral); }, "The integral as a form.")
     .def_property_readonly("integrand", [] (const FormTerm & term) { return term.integral->cf; }, "The function that is integrated.")
-    .def_property_readonly("body", [] (const FormTerm & term) -> py::object
-         {
-           if (auto plane = dynamic_pointer_cast<const CrackedMesh>(term.body)) return py::cast(plane);
-           return py::cast(dynamic_pointer_cast<const CrackedSolid>(term.body));
-         }, "The CrackedMesh of its measure; None for a measure of NGSolve.")
+    .def_property_readonly("body", [] (const FormTerm & term) { return ToPython(term.body); }, "The CrackedMesh of its measure; None for a measure of NGSolve.")
     .def_readonly("domain", &FormTerm::domain, "The Domain of its measure.")
     .def_property_readonly("on_boundary", [] (const FormTerm & term) { return term.vb != VOL; }, "Whether it is taken over the boundary, or an inner interface.")
     .def_readonly("crack", &FormTerm::crack, "The number of the only crack that it is taken over, or None.")

@@ -105,10 +105,31 @@ static void ExportCutTet (py::module & m)
     .def_readonly("neighbour", &SheetCell::neighbour, "The element on the other side of a face on the plane, which this one carries for both, or None.")
     .def_readonly("kind", &SheetCell::kind, "Its ElementKind: Cut, Tip (a front is inside) or Aligned.")
     .def_property_readonly("polygon", [] (const SheetCell & c) { return ToPairs(c.polygon); }, "The corners in the plane's coordinates, counter-clockwise.")
+    .def_property_readonly("nodes", [] (const SheetCell & c) { return c.nodes; },
+                           "Of each corner of the polygon the two vertices of the mesh, in the order of their numbers, between which the plane cuts the edge; twice the same one on the plane.")
+    .def_property_readonly("chords", [] (const SheetCell & c)
+         {
+           std::vector<std::tuple<size_t,double,double>> chords;
+           for (auto & [loop, chord] : c.chords) chords.push_back({ loop, chord.s0, chord.s1 });
+           return chords;
+         }, "Where the curves that bound the sheet run through the polygon: numbers of loops, and arc lengths from and to.")
     .def_property_readonly("heights", [] (const SheetCell & c) { return c.heights; }, "Heights of the element's corners over the plane, by the numbers of the vertices; 0 on the plane.");
 }
 
 static shared_ptr<CrackedSolid> MakeSolid (shared_ptr<MeshAccess> mesh, const std::vector<Sheet> & sheets) { return make_shared<CrackedSolid>(mesh, sheets); }
+
+/// Coefficient functions hold bodies, and are pickled with them: as pointers, which RegisterPyArchiveCaster takes for types that cannot be copied only.
+static void RegisterForArchives ()
+{
+  using Body = shared_ptr<CrackedSolid>;
+  ngcore::detail::PyArchiveCasters casters;
+  casters.shared_to_py = [] (shared_ptr<void> body) -> py::object { return py::cast(std::static_pointer_cast<CrackedSolid>(body)); };
+  casters.py_to_shared = [] (py::handle body) -> shared_ptr<void> { return body.cast<Body>(); };
+  casters.any_to_py = [] (const std::any & body) -> py::object { return py::cast(std::any_cast<Body>(body)); };
+  casters.py_to_any = [] (py::handle body) { return std::any { body.cast<Body>() }; };
+  ngcore::detail::SetPyArchiveCasters(typeid(Body), casters);
+  ngcore::detail::SetPyArchiveCasters(typeid(CrackedSolid), casters);
+}
 
 static void ExportSolid (py::module & m)
 {
@@ -163,7 +184,7 @@ static void ExportSolid (py::module & m)
     .def_property_readonly("dcrack", [] (Body b) { return CutDifferentialSymbol::OnCracks(Measure { b, { Domain::Crack } }); }, "The measure on the cracks.")
     .def(py::pickle([] (const Solid & b) { return py::make_tuple(b.GetMesh(), b.Sheets()); },
                     [] (py::tuple state) { return MakeSolid(state[0].cast<shared_ptr<MeshAccess>>(), state[1].cast<std::vector<Sheet>>()); }));
-  ngcore::RegisterPyArchiveCaster<CrackedSolid>();        // coefficient functions hold bodies, and are pickled with them
+  RegisterForArchives();
 }
 
 void ExportSheets (py::module & m)

@@ -68,7 +68,7 @@ namespace ngsxfem_contact
 
   void SheetLocation :: LocateElement (size_t element)
   {
-    SheetCell cell { element, std::nullopt, ElementKind::Cut, {}, {}, {}, {}, {} };
+    SheetCell cell { element, std::nullopt, ElementKind::Cut, {}, {}, {}, {}, {}, {} };
     auto vertices = mesh.GetElement(ElementId(VOL, element)).Vertices();
     for (int i = 0; i < 4; i++) cell.corners[i] = vertices[i];
     std::ranges::sort(cell.corners);
@@ -120,6 +120,7 @@ namespace ngsxfem_contact
         auto node = NodeOf(cell, corner);
         auto place = places.insert({ node, sheet.GetPlane().Project(corner.point) }).first;
         cell.polygon.push_back(place->second);
+        cell.nodes.push_back(node);
       }
     for (size_t i = 0; i < corners.size(); i++) AddSegment(cell.element, NodeOf(cell, corners[i]), NodeOf(cell, corners[(i+1) % corners.size()]));
     MeetLoops(cell);
@@ -134,7 +135,11 @@ namespace ngsxfem_contact
         front_elements.insert(cell.element);
         if (cell.neighbour) front_elements.insert(*cell.neighbour);
       }
-    if (Cross(Point(cell.polygon[1]-cell.polygon[0]), Point(cell.polygon[2]-cell.polygon[0])) < 0) std::ranges::reverse(cell.polygon);
+    if (Cross(Point(cell.polygon[1]-cell.polygon[0]), Point(cell.polygon[2]-cell.polygon[0])) < 0)
+      {
+        std::ranges::reverse(cell.polygon);
+        std::ranges::reverse(cell.nodes);
+      }
     cells.push_back(std::move(cell));
   }
 

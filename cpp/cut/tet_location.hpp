@@ -35,6 +35,7 @@ namespace ngsxfem_contact
     Tet tet;                                     // in this order
     std::array<double,4> heights;                // over the plane, 0 on it
     Polygon polygon;                             // in the plane, counter-clockwise
+    std::vector<TraceNode> nodes;                // its corners
     std::vector<LoopChord> chords;               // in it, of a Tip
   };
 

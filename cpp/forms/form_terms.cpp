@@ -44,14 +44,15 @@ namespace ngsxfem_contact
   {
     auto cut = dynamic_pointer_cast<CutIntegral>(term.integral);
     if (!cut) throw ngcore::Exception("a term over a measure of NGSolve is none of a body");
-    auto body = dynamic_pointer_cast<const CrackedMesh>(term.body);
-    if (!body) throw ngcore::Exception("a term over a body in space cannot be saved; there are problems for plane bodies only");
-    return { body, cut->GetMeasure().kind, term.vb, term.integral->dx.bonus_intorder, term.elements, term.regions };
+    auto solid = dynamic_pointer_cast<const SolidRules>(cut->GetMeasure().rules);
+    return { term.body, cut->GetMeasure().kind, term.vb, term.integral->dx.bonus_intorder, term.elements, term.regions, solid ? solid->Demand() : std::nullopt };
   }
 
   FormTerm TermAt (const TermPlace & place, shared_ptr<CoefficientFunction> integrand)
   {
-    CutDifferentialSymbol dx(Measure { place.body, place.kind }, place.vb);
+    auto plane = dynamic_pointer_cast<const CrackedMesh>(place.body);
+    auto solid = dynamic_pointer_cast<const CrackedSolid>(place.body);
+    CutDifferentialSymbol dx(plane ? Measure { plane, place.kind } : Measure { solid, place.kind, place.fronts }, place.vb);
     dx.bonus_intorder = place.bonus_intorder;
     dx.definedonelements = place.elements;
     if (place.regions) dx.definedon = *place.regions;

@@ -24,11 +24,12 @@ namespace ngsxfem_contact
   /// The term of an integrand over the measure of another term: what is needed to write a term down and to make it again.
   struct TermPlace
   {
-    shared_ptr<const CrackedMesh> body;
+    shared_ptr<const CrackedBody> body;
     RuleKind kind;
     VorB vb;
     int bonus_intorder;
     shared_ptr<ngcore::BitArray> elements, regions;
+    std::optional<FrontDemand> fronts;                // of a body in space
   };
 
   TermPlace PlaceOf (const FormTerm & term);

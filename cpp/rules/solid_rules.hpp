@@ -22,6 +22,7 @@ namespace ngsxfem_contact
     /// Throws for a demand that makes no sense.
     SolidRules (shared_ptr<const CrackedSolid> abody, std::optional<FrontDemand> ademand);
     const CrackedSolid & Body () const override { return *body; }
+    const std::optional<FrontDemand> & Demand () const { return demand; }
     shared_ptr<const RuleTable> Table (const RuleKind & kind, VorB vb, int order) const override;
     shared_ptr<const MeasureRules> MergedWith (const MeasureRules & other) const override;
   };

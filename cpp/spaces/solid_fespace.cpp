@@ -142,7 +142,8 @@ namespace ngsxfem_contact
           modes_in[vb].push_back({});
         }
       auto & here = modes_in[vb][number];
-      here.nodes.push_back({ hat, &modes[nodes[j].front] });
+      auto cut = vb == VOL ? body->Find(element) : nullptr;
+      here.nodes.push_back({ hat, &modes[nodes[j].front], !cut || cut->Sides().crack == body->Fronts()[nodes[j].front].SheetNumber() });
       for (int m = 0; m < FrontFunctions::size; m++) here.dofs.push_back(FrontDof(j, m));
     };
     auto corner = [&] (size_t element, size_t v)

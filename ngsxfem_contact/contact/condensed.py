@@ -121,6 +121,7 @@ class CondensedProblem(AssembledProblem):
         report.method = "Newton on displacements"
         if threshold is not None:
             report.method += ", thresholds follow the pressure from step to step" if terms.follows_pressure else " with projections onto disks"
+            report.slipping = result.contact[-1] & result.slip
             report.states = fractions(result.contact[-1], result.slip)
         identity = scipy.sparse.identity(len(G), format="csr")
         return CondensedSolution(case, faces, identity, result.p.ravel(), G, NONE, result.U)

@@ -59,6 +59,7 @@ class DiskFriction:
         result = self._solve(DiskProblem(Q, q, threshold), p, max_iterations)
         report.iterations, report.active, report.method = len(result.contact), result.contact, result.method
         report.threshold_changes = result.threshold_changes
+        report.slipping = result.contact[-1] & result.slip
         report.states = fractions(result.contact[-1], result.slip)
         return result.p.ravel()
 

@@ -56,6 +56,8 @@ class Report:
         Below 1 it proves that the law has one solution (0: convex problem, None: not known).
     tangential
         With friction the states of the nodes in each iteration, codes of `nodal_newton`.
+    slipping
+        In space, with friction: which nodes slip at the end; None otherwise.
     states
         The fraction of the nodes in each state, by its name, where a law has states of its own.
     work
@@ -77,6 +79,7 @@ class Report:
     residual: float = float("nan")
     complementarity: float = float("nan")
     tangential: list[Any] = field(default_factory=list)
+    slipping: Any = None
     method: str = "active set"
     threshold_changes: list[float] = field(default_factory=list)
     uniqueness: float | None = None

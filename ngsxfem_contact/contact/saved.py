@@ -24,6 +24,7 @@ from ..errors import NotSaved
 from ..files import UnreadableFile, write_whole
 from ..loads.load import PointLoad, StiffnessForm, form_of
 from ..pickling import numbering, packed
+from ..points import mesh_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from .solution import ContactSolution
 
 KIND = b"ngsxfem_contact solution\n"
-FORMAT = 1  # raise it where the classes in a file change
+FORMAT = 2  # raise it where the classes in a file change
 SAME, AGAIN = 1e-12, 1e-9  # relative: what was read again is what was saved, on the same spaces, and on those that were made again
 SAMPLES = 500  # elements in which u is looked at
 
@@ -108,12 +109,11 @@ def agree(before: np.ndarray, after: np.ndarray, tolerance: float) -> bool:
 
 def probe(solution: ContactSolution) -> list[tuple[str, np.ndarray]]:
     """Names and values: of u in some elements, those that cracks meet among them, and of what the problem was given."""
-    body = solution.body
-    numbers = np.unique(np.linspace(0, body.mesh.ne - 1, SAMPLES).astype(int))
+    body, mesh = solution.body, solution.body.mesh
+    numbers = np.unique(np.linspace(0, mesh.ne - 1, SAMPLES).astype(int))
     beside = np.array([location.element for c in range(len(body.cracks)) for location in body.Elements(c)], dtype=int)
     numbers = np.union1d(numbers, beside[:: max(1, len(beside) // SAMPLES)])
-    points = body.mesh(np.full(len(numbers), 0.5), np.full(len(numbers), 0.5))
-    points["nr"], points["x"], points["y"] = numbers, 0.21, 0.34
+    points = mesh_points(mesh, numbers, *(np.full(len(numbers), part) for part in (0.21, 0.34, 0.17)[: mesh.dim]))
     of_parts = [(name, values) for name, part in parts(solution.problem) for values in values_of(part, solution)]
     return [("u", np.ravel(solution.u(points))), *of_parts]
 
@@ -124,7 +124,7 @@ def probe(solution: ContactSolution) -> list[tuple[str, np.ndarray]]:
 def check_numbers(problem: ContactProblem) -> None:
     """Raises NotSaved for multipliers that are numbered by the edges of a refined mesh, which are other ones when it is read."""
     W = problem.W
-    if isinstance(W.basis, core.MeshTraceBasis) and W.order > 1 and W.mesh.levels > 1:
+    if isinstance(getattr(W, "basis", None), core.MeshTraceBasis) and W.order > 1 and W.mesh.levels > 1:
         raise NotSaved("Save: TraceSpace(basis='trace') of order 2 or more on a refined mesh cannot be saved; take basis='nodal'")
 
 
@@ -197,7 +197,7 @@ def through_pickle(part: Any) -> Any:
 
     class Writer(pickle.Pickler):
         def persistent_id(self, obj: Any) -> str | None:
-            if not isinstance(obj, (Mesh, core.CrackedMesh, FESpace, GridFunction)):
+            if not isinstance(obj, (Mesh, core.CrackedMesh, core.CrackedSolid, FESpace, GridFunction)):
                 return None
             kept[str(id(obj))] = obj
             return str(id(obj))

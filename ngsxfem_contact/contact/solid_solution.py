@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from functools import singledispatch
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import IfPos
 
 from .. import _ngsxfem_contact as core
+from ..arguments import crack_number
 from ..fracture.front_fields import FrontField
 from ..fracture.front_stress_intensity import FrontFactors, front_factors
 from ..fracture.given_stress import elements_near_fronts, stress_derivatives
 from ..operators import Gradient
 from ..sheets import check_plane
 from ..tables import Table
+from .sheet_profile import SheetProfile, borders, sheet_profile
 from .solution import ContactSolution
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
 
 SIDES = ("plus", "minus")
 
@@ -56,6 +62,54 @@ class SolidSolution(ContactSolution):
         field, material = front_field(self), self.problem.material
         found = [front_factors(self.body, field, material, front, radius).columns for front in range(len(self.body.fronts))]
         return Table.Of({name: np.concatenate([columns[name] for columns in found]) for name in (found[0] if found else ())})
+
+    def Profile(self, crack: int | str = 0) -> SheetProfile:  # type: ignore[override]
+        """A SheetProfile: gap, slip, pressure and state in each polygon in which a sheet cuts an element, in the user's units.
+
+        Raises
+        ------
+        ValueError
+            For a sheet that is not there.
+        """
+        return sheet_profile(self, crack_number(crack, self.body))
+
+    def Transitions(self, crack: int | str = 0) -> np.ndarray:
+        """(k, 2, 3): the edge of contact on a sheet, as the ends of the sides between polygons of which one is open and the other is not."""
+        return borders(self, crack_number(crack, self.body), lambda a, b: (a == "open") != (b == "open"))
+
+    def SlipTransitions(self, crack: int | str = 0) -> np.ndarray:
+        """(k, 2, 3): in the same way the sides between polygons of which one sticks and the other slips."""
+        return borders(self, crack_number(crack, self.body), lambda a, b: {a, b} == {"stick", "slip"})
+
+    def SaveVTK(self, path: str | Path, factors: Sequence[FrontFactors] = ()) -> str:
+        """Writes three .vtu files for ParaView and returns the name of the first: all of them appear when they are complete, or none.
+
+        `path` has the body, open along its sheets: displacement at points, and of cells, at their centres, von_mises, stress_xx to stress_xz, side (1 plus, -1 minus, of
+        those that touch a lip) and region, the number of the material; tetrahedra are quadratic where u is. Points on a sheet are there once for each lip, so that filters
+        such as CellDatatoPointData do not mix them; `Clean` would. `path`_sheets has the polygons in which the sheets cut the elements: pressure -λ, gap, slip, traction λ_t (the
+        means of Profile, slip and traction as vectors), sheet, and state (0 open, 1 contact or stick, 2 slip), and at their corners displacement_plus, displacement_minus and
+        their difference jump. `path`_fronts has the fronts as lines, with s and what factors say.
+
+        Parameters
+        ----------
+        path
+            The ending .vtu is added if it is missing.
+        factors
+            FrontFactors of this solution, `[solution.StressIntensity(0)]`: K_I, K_II, K_III, G and their errors become data of the fronts, linear between nodes and NaN where
+            nothing is known.
+
+        Raises
+        ------
+        ValueError
+            For factors of another body, or two of one front.
+        FileNotFoundError
+            If there is no such folder.
+        OSError
+            If the disk is full.
+        """
+        from ..plotting.plots import save_vtk
+
+        return save_vtk(self, path, factors)
 
     def EnergyReleaseRate(self, *arguments: Any, **named: Any) -> Any:
         """For tips, which a body in space does not have: StressIntensity(front) has G. Raises ValueError."""

@@ -11,10 +11,8 @@ from ngsolve import GridFunction, Id, Integrate
 from ..algebra.nodal_newton import FREE
 from ..arguments import check_regions, check_whole, crack_number
 from ..description import Described
-from ..errors import NotSaved
 from ..loads.load import LoadTerms, check_unchanged
 from ..operators import NORMAL
-from ..sheets import check_plane
 from ..spaces.incompressible import stress, stress_power
 from .at_tips import AtTips
 from .descriptions import of_solution
@@ -247,7 +245,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         ValueError
             For a crack that is not there and for n < 2.
         """
-        check_plane(self.body, "Profile")
         check_whole(n, "Profile: n", 2)
         return profile(self, crack_number(crack, self.body), n)
 
@@ -274,12 +271,10 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
 
     def Transitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths (an array) at which the active set changes along a crack: between two neighbouring nodes the middle."""
-        check_plane(self.body, "Transitions")
         return self._changes(self.report.active[-1], crack)
 
     def SlipTransitions(self, crack: int | str = 0) -> np.ndarray:
         """Arc lengths at which nodes that stick or slip neighbour others of another state; nodes without a threshold do not count."""
-        check_plane(self.body, "SlipTransitions")
         tangential = self.report.tangential[-1] if self.report.tangential else np.zeros(len(self.state.nodes))
         return self._changes(tangential, crack, lambda a, b: (a != FREE) & (b != FREE))
 
@@ -307,7 +302,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         """
         from ..plotting.plots import draw
 
-        check_plane(self.body, "Draw")
         return draw(self, **options)
 
     def SaveVTK(self, path: str | Path) -> str:
@@ -327,7 +321,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         """
         from ..plotting.plots import save_vtk
 
-        check_plane(self.body, "SaveVTK")
         return save_vtk(self, path)
 
     def Save(self, path: str | Path) -> Path:
@@ -354,7 +347,6 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         from .saved import save
 
         self.problem.V.share.Refuse("Save")
-        check_plane(self.body, "Save", NotSaved)
         return save(self, path)
 
     @staticmethod

@@ -9,6 +9,7 @@ scale
 from __future__ import annotations
 
 import logging
+from functools import singledispatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -58,13 +59,19 @@ def split_displacement(solution: ContactSolution) -> tuple[SplitMesh, np.ndarray
     return split, split.Evaluate(Plus(u), Minus(u), u)
 
 
-def visible_scale(split: SplitMesh, displacement: np.ndarray, scale: float | None = None) -> float:
+def visible_scale(split: Any, displacement: np.ndarray, scale: float | None = None) -> float:
     """A given factor, or that of two digits which shows the largest displacement as 5 % of the body's size; raises ValueError unless it is finite."""
     if scale is not None:
         check_number(scale, "scale")
         return scale
     largest = share_in(split.body).Max(np.linalg.norm(displacement, axis=1).max())
     return float(f"{0.05 * np.ptp(split.points, axis=0).max() / largest:.2g}") if largest > 0 else 1.0
+
+
+@singledispatch
+def usual_scale(body: Any, solution: ContactSolution) -> float:
+    """That of visible_scale for a solution."""
+    return visible_scale(*split_displacement(solution))
 
 
 def pyplot() -> Any:
@@ -94,7 +101,12 @@ def colour_range(values: np.ndarray) -> np.ndarray:
 
 
 def plot_body(
-    solution: ContactSolution, ax: Any = None, scale: float | None = None, field: CoefficientFunction | None = None, label: str = "von Mises stress"
+    solution: ContactSolution,
+    ax: Any = None,
+    scale: float | None = None,
+    field: CoefficientFunction | None = None,
+    label: str = "von Mises stress",
+    cut: Any = None,
 ) -> Any:
     """The deformed body, coloured by a scalar field, and the two lips of each crack; returns the axes, of several processes on the first one, else None.
 
@@ -103,16 +115,27 @@ def plot_body(
     solution : ContactSolution
         What is drawn.
     ax : Axes
-        Of matplotlib; default new ones.
+        Of matplotlib; default new ones. In space those of projection="3d".
     field
         CoefficientFunction such as `solution.stress[1, 1]`, with its label; by default the von Mises stress.
     label : str
         Of the field.
+    cut : (point, normal) or False
+        In space: what lies on this side of a plane is left away, so that a crack inside shows. By default a plane through the middle of the first sheet, perpendicular
+        to it; where a sheet reaches the boundary, and for False, the whole body is drawn.
 
     Notes
     -----
-    The colours leave out the least and the largest 2 % of the values.
+    The colours leave out the least and the largest 2 % of the values. In space u is drawn as linear between points.
     """
+    return body_plot(solution.body, solution, ax, scale, field, label, cut)
+
+
+@singledispatch
+def body_plot(body: Any, solution: ContactSolution, ax: Any, scale: float | None, field: CoefficientFunction | None, label: str, cut: Any) -> Any:
+    """See plot_body."""
+    if cut is not None:
+        raise ValueError("plot_body: cut is there for bodies in space only")
     picture, scale, u, values = picture_of(solution, scale, field)
     return picture.share.Together(lambda: drawn_body(picture, scale, u, values, ax, label) if picture.share.is_first else None)
 
@@ -144,7 +167,7 @@ PROFILES = {
 
 
 def plot_profile(solution: ContactSolution, crack: int | str = 0, ax: Any = None, quantities: Sequence[str] = ("pressure", "gap")) -> list[Any]:
-    """Quantities along a crack, the contact zone shaded.
+    """Quantities along a crack, the contact zone shaded; in space on a sheet, with the edge of contact.
 
     Parameters
     ----------
@@ -160,6 +183,12 @@ def plot_profile(solution: ContactSolution, crack: int | str = 0, ax: Any = None
     for quantity in quantities:
         if quantity not in PROFILES:
             raise ValueError(f"plot_profile: quantities={quantities!r}: {quantity!r} is not one of {list(PROFILES)}")
+    return profile_plot(getattr(solution, "body", None), solution, crack, ax, quantities)
+
+
+@singledispatch
+def profile_plot(body: Any, solution: ContactSolution, crack: int | str, ax: Any, quantities: Sequence[str]) -> list[Any]:
+    """See plot_profile."""
     profile = solution.Profile(crack=crack, n=400)
     axes = list(np.ravel(pyplot().subplots(len(quantities), 1, sharex=True, layout="constrained")[1] if ax is None else ax))
     pressure = -np.asarray(profile.sigma_n)
@@ -179,17 +208,23 @@ def plot_profile(solution: ContactSolution, crack: int | str = 0, ax: Any = None
 def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
     """The mesh, the cracks, and what enriches the space: circles on vertices with a Heaviside function, the disks of the tips' functions.
 
-    Triangles are light if some of their vertices are enriched, darker if all are. Returns the axes.
+    Triangles are light if some of their vertices are enriched, darker if all are. In space: the polygons in which the sheets cut the elements, those that a front enters
+    in another colour. Returns the axes.
 
     Parameters
     ----------
     V : CrackFESpace
         Whose mesh, cracks and functions are drawn.
     ax : Axes
-        Of matplotlib; default new ones.
+        Of matplotlib; default new ones. In space one for each sheet.
     """
     V.share.Refuse("A picture of the mesh")
-    body = V.body
+    return mesh_plot(V.body, V, ax)
+
+
+@singledispatch
+def mesh_plot(body: Any, V: CrackFESpace, ax: Any) -> Any:
+    """See plot_mesh."""
     ax = ax or pyplot().subplots(layout="constrained")[1]
     vertices, elements = mesh_arrays(body.mesh)
     enriched = [dof for dof in Unknowns(V).enriched if dof < len(vertices)]  # dof i of P_k is vertex i
@@ -210,10 +245,11 @@ def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
     return ax
 
 
-def save_vtk(solution: ContactSolution, path: str | Path) -> str:
+def save_vtk(solution: ContactSolution, path: str | Path, factors: Sequence[Any] = ()) -> str:
     """Writes displacement, stresses and side on the split mesh as .vtu (ending added if missing); returns the file's name.
 
-    The file appears when it is complete: an interrupted run, or a full disk (OSError), leaves none, or the one before.
+    In space two files more, whose names end in _sheets and _fronts: see SolidSolution.SaveVTK. The files appear when they are complete: an interrupted run, or a full disk
+    (OSError), leaves none, or the ones before.
 
     Parameters
     ----------
@@ -221,6 +257,8 @@ def save_vtk(solution: ContactSolution, path: str | Path) -> str:
         What is written.
     path : str
         The ending .vtu is added if it is missing.
+    factors
+        In space: FrontFactors of some fronts, which the file of the fronts shows.
 
     Returns
     -------
@@ -230,7 +268,14 @@ def save_vtk(solution: ContactSolution, path: str | Path) -> str:
     path = Path(path)
     if not path.name:
         raise ValueError(f"SaveVTK: {str(path)!r} is not the name of a file")
-    path = path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu")
+    return saved_vtk(solution.body, solution, path if path.suffix == ".vtu" else path.with_name(path.name + ".vtu"), factors)
+
+
+@singledispatch
+def saved_vtk(body: Any, solution: ContactSolution, path: Path, factors: Sequence[Any]) -> str:
+    """See save_vtk."""
+    if len(factors):
+        raise ValueError("SaveVTK: factors are there for fronts of bodies in space only")
     share, (split, u) = solution.problem.V.share, split_displacement(solution)
     stress = solution.stress
     names = ["von_mises", "stress_xx", "stress_yy", "stress_xy"]
@@ -256,8 +301,15 @@ def draw(solution: ContactSolution, field: CoefficientFunction | None = None, sc
     field
         CoefficientFunction such as `solution.u` or `solution.stress[1, 1]`; by default the von Mises stress.
     **options
-        Of ngsolve.webgui.Draw, such as filename="u.html", min=0, max=1, settings={"Objects": {"Wireframe": True}}.
+        Of ngsolve.webgui.Draw, such as filename="u.html", min=0, max=1, settings={"Objects": {"Wireframe": True}}. In space a clipping plane opens the body where no
+        sheet reaches the boundary; clipping={"vec": (0, 1, 0), "pnt": (0, 0, 0)} takes another one, clipping=False none.
     """
+    return scene(solution.body, solution, field, scale, options)
+
+
+@singledispatch
+def scene(body: Any, solution: ContactSolution, field: CoefficientFunction | None, scale: float | None, options: dict[str, Any]) -> Any:
+    """See draw."""
     from ngsolve.webgui import Draw
 
     picture, _, u, values = picture_of(solution, scale, field)
@@ -279,7 +331,7 @@ def animate(solutions: Sequence[ContactSolution], path: str | Path, titles: Sequ
     from matplotlib.animation import PillowWriter
 
     check_positive(seconds, "seconds")
-    scale = scale or min(visible_scale(*split_displacement(solution)) for solution in solutions)
+    scale = scale or min(usual_scale(solution.body, solution) for solution in solutions)
     figure, fps = plt.figure(figsize=(6, 6), layout="constrained"), cast(int, 1 / seconds)
 
     def write(temporary: Path) -> None:
@@ -287,7 +339,7 @@ def animate(solutions: Sequence[ContactSolution], path: str | Path, titles: Sequ
             for number, (solution, title) in enumerate(zip(solutions, titles)):
                 logger.info("picture %d of %d of %s", number + 1, len(solutions), Path(path).name)
                 figure.clear()
-                plot_body(solution, figure.add_subplot(), scale).set_title(title, fontsize=9)
+                plot_body(solution, figure.add_subplot(projection="3d" if solution.body.mesh.dim == 3 else None), scale).set_title(title, fontsize=9)
                 frames.grab_frame()
 
     try:

@@ -47,6 +47,9 @@ class SheetTraceSpace(Described, Compress):
         super().__init__(L2(body.mesh, order=0), active_dofs=body.CrackElements(None))
         self.body = body
 
+    def __reduce__(self) -> Any:
+        return SheetTraceSpace, (self.body,)
+
     def Description(self) -> Lines:
         """Order and unknowns."""
         return [("order", "0"), ("unknowns", f"{self.ndof} on {numbered(len(self.body.cracks), 'sheet')}")]

@@ -9,7 +9,7 @@ from ngsxfem_contact import BarbosaHughes, ContactProblem, CrackedMesh, CrackFES
 from ngsxfem_contact.contact.checks import Coercivity
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.contact.stabilisation import trace_constants
-from ngsxfem_contact.errors import NotSaved, SingularSystem
+from ngsxfem_contact.errors import SingularSystem
 from ngsxfem_contact.exact.pennies import closed_penny, partially_closed, penny, penny_in_tension
 from ngsxfem_contact.exact.space_forms import stress_matrix, uniform_stress
 from ngsxfem_contact.geometry import FrontDemand, Sheet
@@ -262,11 +262,6 @@ def test_what_is_not_there_in_space():
         with pytest.raises(error, match=message):
             call()
     solution = problem.Solve()
-    for call in (solution.Profile, solution.Transitions, solution.Draw, lambda: solution.SaveVTK("x")):
-        with pytest.raises(ValueError, match="there for plane bodies only"):
-            call()
-    with pytest.raises(NotSaved, match="there for plane bodies only"):
-        solution.Save("nothing.sol")
     with pytest.raises(ValueError, match="the tube of radius .* meets its own centre of curvature"):
         solution.StressIntensity()  # the mesh is too coarse for it
 

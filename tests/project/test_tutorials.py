@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("matplotlib")
-TUTORIALS = sorted((Path(__file__).resolve().parents[2] / "tutorials").glob("*.py"))
+TUTORIALS = sorted((Path(__file__).resolve().parents[2] / "tutorials").glob("*.py"), key=lambda path: int(path.name.partition("_")[0]))
 
 
 def cells(path):
@@ -26,7 +26,7 @@ def test_tutorial(path, tmp_path):
 
 
 def test_there_are_tutorials():
-    assert [path.name[:2] for path in TUTORIALS] == [f"{i}_" for i in range(1, len(TUTORIALS) + 1)]
+    assert [path.name.partition("_")[0] for path in TUTORIALS] == [str(i) for i in range(1, len(TUTORIALS) + 1)]
 
 
 def test_the_first_crack_takes_few_lines():

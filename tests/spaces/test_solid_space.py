@@ -97,6 +97,24 @@ def test_functions_jump_on_the_sheet_only(sheet):
     assert Integrate(InnerProduct(Jump(u), Jump(u)) * body.dcrack, COARSE) > 1e-5
 
 
+def test_modes_of_one_sheet_do_not_jump_on_another():
+    """Where an element of one sheet has nodes at the front of another, limits on its sheet are the other's modes by their position."""
+    mesh = cube_mesh(0.15)
+    body = CrackedMesh(mesh, Sheet.Disk((0.5, 0.5, 0.3), (0, 0.3, 1), 0.3), Sheet.Disk((0.5, 0.5, 0.75), (0, 0, 1), 0.3))
+    V = CrackFESpace(body, material=MATERIAL)
+    u, largest = GridFunction(V), 0.0
+    for own, other in ((0, 1), (1, 0)):
+        modes = [V.FrontDof(j, mode) for j, (_, front) in enumerate(V.front_nodes) if body.fronts[front].sheet == own for mode in range(3)]
+        u.vec.FV().NumPy()[:] = 0
+        u.vec.FV().NumPy()[modes] = np.random.default_rng(0).standard_normal(len(modes))
+        on_other = body.dcrack(crack=other)
+        largest = max(largest, Integrate(InnerProduct(Plus(u), Plus(u)) * on_other, mesh))
+        for side in (Plus, Minus):
+            assert Integrate(InnerProduct(side(u) - u, side(u) - u) * on_other, mesh) < 1e-20
+        assert Integrate(InnerProduct(Jump(u), Jump(u)) * body.dcrack(crack=own), mesh) > 1e-6
+    assert largest > 1e-6
+
+
 def test_the_stress_power_is_that_of_the_symbolic_form():
     V = CrackFESpace(CrackedMesh(COARSE, DISK), material=MATERIAL)
     (u, v), A, B = V.TnT(), BilinearForm(V), BilinearForm(V)
