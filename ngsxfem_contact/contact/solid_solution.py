@@ -84,11 +84,11 @@ class SolidSolution(ContactSolution):
     def SaveVTK(self, path: str | Path, factors: Sequence[FrontFactors] = ()) -> str:
         """Writes three .vtu files for ParaView and returns the name of the first: all of them appear when they are complete, or none.
 
-        `path` has the body, open along its sheets: displacement at points, and of cells, at their centres, von_mises, stress_xx to stress_xz, side (1 plus, -1 minus, of
+        The file `path` has the body, open along its sheets: displacement at points, and of cells, at their centres, von_mises, stress_xx to stress_xz, side (1 plus, -1 minus, of
         those that touch a lip) and region, the number of the material; tetrahedra are quadratic where u is. Points on a sheet are there once for each lip, so that filters
-        such as CellDatatoPointData do not mix them; `Clean` would. `path`_sheets has the polygons in which the sheets cut the elements: pressure -λ, gap, slip, traction λ_t (the
+        such as CellDatatoPointData do not mix them; `Clean` would. The one whose name ends in `_sheets` has the polygons in which the sheets cut the elements: pressure -λ, gap, slip, traction λ_t (the
         means of Profile, slip and traction as vectors), sheet, and state (0 open, 1 contact or stick, 2 slip), and at their corners displacement_plus, displacement_minus and
-        their difference jump. `path`_fronts has the fronts as lines, with s and what factors say.
+        their difference jump. That in `_fronts` has the fronts as lines, with s and what factors say.
 
         Parameters
         ----------

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:CrackFESpace. .* nodes around fr
 
 MATERIAL = Elasticity.Solid(E=2.5, nu=0.25)
 CENTRE, RADIUS = (0.49, 0.51, 0.513), 0.3
-MESH = cube_mesh(0.16)
+MESH = cube_mesh(0.13)
 
 
 def solved(sheet, u, law=None, order=1, mesh=MESH):
