@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .solution import ContactSolution
 
 KIND = b"ngsxfem_contact solution\n"
-FORMAT = 1  # raise it where the classes in a file change
+FORMAT = 2  # raise it where the classes in a file change
 SAME, AGAIN = 1e-12, 1e-9  # relative: what was read again is what was saved, on the same spaces, and on those that were made again
 SAMPLES = 500  # elements in which u is looked at
 
