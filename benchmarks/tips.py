@@ -12,7 +12,7 @@ from ngsxfem_contact import BarbosaHughes, TipEnrichment
 from ngsxfem_contact.contact import Coercivity
 from study.paper import MATERIAL, REFERENCE, paper_problem, unstructured_mesh
 
-TIPS = {"modes": TipEnrichment(material=MATERIAL), "branch": TipEnrichment(functions="branch"), "none": None}
+TIPS = {"modes": TipEnrichment(material=MATERIAL, order=1), "branch": TipEnrichment(functions="branch"), "none": None}
 
 
 def largest_gamma0(mesh, pair, tip, probe=1e-3):

@@ -85,7 +85,7 @@ plt.show()
 # %% [markdown]
 # ## $\chi F_j$: the tip
 #
-# With `TipEnrichment(material=...)` the tip has two vector fields, those of unit stress intensity factors:
+# With `TipEnrichment(material=...)` the tip has vector fields, two for each power $r^{1/2}, r^{3/2}, \dots$ up to the order of the space. The first two are those of unit stress intensity factors:
 #
 # $$\frac{1}{2\mu}\sqrt{\frac{r}{2\pi}}\begin{pmatrix}\cos\frac\theta2\,(\kappa - 1 + 2\sin^2\frac\theta2) \\ \sin\frac\theta2\,(\kappa + 1 - 2\cos^2\frac\theta2)\end{pmatrix}
 # \quad\text{and}\quad

@@ -1,7 +1,7 @@
 """The Barbosa-Hughes stabilisation of the multiplier: (12), (13) and (38) of [AHLMR12].
 
 R_h(v) is σ_n of the polynomial of the larger part of each cut element, and γ = γ_0 h_T on each. The tip functions
-take part in R_h. The two vector modes have σ_n = 0 on the lips; single functions of (8) have σ_n ~ r^{-1/2} there, so
+take part in R_h. The vector modes have σ_n = 0 on the lips; single functions of (8) have σ_n ~ r^{-1/2} there, so
 that ∫γ R_h(v)² diverges: with them γ falls linearly to zero within h_T of the tip (docs/method.md, section 5).
 """
 

@@ -52,7 +52,7 @@ class TipEnrichment:
         "modes", or "branch" for the four scalar functions (8) of [AHLMR12] in each component, 8 unknowns, whose lips carry tractions: in contact
         pressures and K_I are less accurate. Default: modes; without a material those of the ContactProblem that is made of the space.
     tolerance
-        Of the integration rules around the tip, relative to the integral over an element. Default: 1e-5, and 1e-7 where CrackFESpace has order 3 or more. It changes
+        Of the integration rules around the tip, relative to the integral over an element. Default: 1e-5, and 1e-9 where CrackFESpace has order 3 or more. It changes
         the mean errors of energy and K by less than a hundredth of themselves (tests/contact/test_contact.py).
     order
         m: the modes r^{1/2}, r^{3/2}, ..., r^{m-1/2}, 2 m unknowns for each tip, m = 1 to 4. Default: that of CrackFESpace, which then keeps its order at the tips of straight
@@ -209,7 +209,7 @@ class CrackFESpace(Described, core.CrackFESpace):
         if len(tips) != len(body.tips):
             raise ValueError(f"CrackFESpace: {len(tips)} tip enrichments for {len(body.tips)} tips; give one for each of body.tips")
         specs = [None if enrichment is None else enrichment.Spec(body, tip) for enrichment, tip in zip(tips, body.tips)]
-        tolerance = min((enrichment.tolerance or (1e-5 if order < 3 else 1e-7) for enrichment in tips if enrichment), default=1)
+        tolerance = min((enrichment.tolerance or (1e-5 if order < 3 else 1e-9) for enrichment in tips if enrichment), default=1)
         if bubble is None:
             bubble = order > 1 and any(map(is_nearly_incompressible, [material, *(getattr(enrichment, "material", None) for enrichment in tips)]))
         if bubble:

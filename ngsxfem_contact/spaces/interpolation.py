@@ -32,7 +32,7 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     plus, minus
         û⁺, û⁻, smooth extensions of the regular part of u from either side to the whole body, vectors; minus=None: no jump.
     tips
-        For each tip the coefficients of its functions.
+        For each tip the coefficients of its first functions, K_I and K_II of modes; those of the others are zero.
     fronts
         Of a body in space: for each front K_I, K_II, K_III, numbers or functions of the place, which are taken at the nodes with modes.
 
@@ -58,9 +58,9 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
         vec[unknowns.Heaviside(component)] = (of_plus - of_minus)[unknowns.enriched]
     for tip, coefficients in enumerate(tips):
         dofs = unknowns.Tip(tip)
-        if np.shape(coefficients) != (len(dofs),) or not np.isfinite(coefficients).all():
-            raise ValueError(f"Interpolant: tips[{tip}]={coefficients!r} are not {len(dofs)} finite numbers, one for each function at tip {tip}")
-        vec[dofs] = coefficients
+        if np.ndim(coefficients) != 1 or len(coefficients) > len(dofs) or not np.isfinite(coefficients).all():
+            raise ValueError(f"Interpolant: tips[{tip}]={coefficients!r} are not up to {len(dofs)} finite numbers, for the functions at tip {tip}")
+        vec[dofs[: len(coefficients)]] = coefficients
     if len(fronts):
         set_modes(V, vec, fronts)
     return u

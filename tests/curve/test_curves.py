@@ -300,7 +300,7 @@ def test_clearance_ends_where_the_curvature_is_large():
 
 
 MATERIAL = Elasticity(1.3, 0.7)
-OPTIONS = {"branch": dict(), "modes": dict(material=MATERIAL)}
+OPTIONS = {"branch": dict(), "modes": dict(material=MATERIAL, order=3)}
 options = pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS.keys())
 TIPS = {"arc": CURVES["arc"], "backwards": CURVES["arc backwards"], "spline": Crack.Spline([(0, 0.3), (0.2, 0.38), (0.42, 0.47), (0.62, 0.5)])}
 tips = pytest.mark.parametrize("crack", TIPS.values(), ids=TIPS.keys())
@@ -368,9 +368,10 @@ def test_modes_have_bounded_tractions_on_the_lips(crack):
 @options
 @pytest.mark.parametrize("maxh", [0.3, 0.08, 0.04])
 def test_energies_of_curved_tip_functions_are_those_of_other_meshes(crack, options, maxh):
-    """∫|∇(χF)|² does not depend on the mesh."""
-    reference = tip_energies(rectangle(0.021), crack, tolerance=1e-12, **options)
-    assert tip_energies(rectangle(maxh), crack, **options) == pytest.approx(reference, rel=1e-7)
+    """∫|∇(χF)|² does not depend on the mesh; beyond √r the kinks in the third derivative of the spline cost a digit."""
+    reference, found = tip_energies(rectangle(0.021), crack, tolerance=1e-12, **options), tip_energies(rectangle(maxh), crack, **options)
+    first = 2 if options and crack is TIPS["spline"] else len(found)
+    assert found[:first] == pytest.approx(reference[:first], rel=1e-7) and found == pytest.approx(reference, rel=1e-6)
 
 
 def tip_energies(mesh, crack, **options):
