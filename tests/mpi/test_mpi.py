@@ -62,8 +62,9 @@ TOLERANCES = {"forms": 1e-13, "EE": 1e-13, "D": 1e-12, "S": 1e-11, "g": 1e-11, "
 
 
 # How much more than round-off of well-conditioned problems: of rubber another numbering of the mesh changes what one process finds by up to 4e-8 (S), 7e-7 (L) and
-# 4e-5 (gap); with slivers S has a condition number of 2e6, and one ulp in each of its entries moves L by 1e-10.
-ROUND_OFF = {"incompressible_P2": 1e5, "slivers_P2": 10}
+# 4e-5 (gap); with slivers S has a condition number of 2e6, and one ulp in each of its entries moves L by 1e-10; with P3
+# the modes r^{5/2} are nearly polynomials in an element at a tip, so that its local eigenproblem knows γ, that is D, to 8e-12 only.
+ROUND_OFF = {"incompressible_P2": 1e5, "slivers_P2": 10, "edge_P3": 10, "several_P3": 10}
 
 
 def differences(one, many, factor=1.0):
