@@ -3,7 +3,7 @@
     python benchmarks/beside_fitted.py [slanted-open slanted-closed kinked-open kinked-closed] [--tolerance 1e-3]
 
 The square [-1,1]², E = 1, ν = 0.3, tractions of a uniform stress on its sides; the crack is straight or kinked, in tension or under pressure and shear. The fitted program is that of
-tests/networks/fitted.py, with contact by pairs of unknowns. Its meshes are h at the crack, h·g at the tips, for h = 0.1/√2ⁿ and g = 1, 1/10, 1/100, 1/1000; for each g the first h
+tests/networks/fitted.py, with contact by pairs of unknowns. Its meshes are h at the crack, 2.5 h far away, h·g at the tips, for h = 0.1/√2ⁿ and g = 1, 1/10, 1/100, 1/1000; for each g the first h
 counts from which on the true errors of K_I and K_II at the first tip stay below the tolerance times the larger of both, and of these the one with the fewest unknowns and the one that is fastest. A user who does not
 know the truth has to solve on several. `SolveAdaptive` begins with elements of 0.5, and ends where its own bar of both says so; seconds are of the whole run, and of the last mesh.
 Truth: the fitted program with elements of order 6.
@@ -87,7 +87,7 @@ def best_fitted(points, sigma, truth, tolerance):
     """The Runs of the first mesh below the tolerance, for each grading that gets there."""
     found = {}
     for grading in (1, 0.1, 0.01, 0.001):
-        runs = [fitted(points, sigma, order=2, maxh=h, tip_h=grading * h) for h in 0.1 / np.sqrt(2) ** np.arange(7)]
+        runs = [fitted(points, sigma, order=2, maxh=h, tip_h=grading * h, far=2.5 * h) for h in 0.1 / np.sqrt(2) ** np.arange(9)]
         above = [k for k, run in enumerate(runs) if not error(run, truth) < tolerance]
         first = above[-1] + 1 if above else 0
         if first < len(runs):

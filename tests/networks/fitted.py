@@ -29,16 +29,18 @@ class FittedBody:
         Pairs of points.
     half_width
     maxh
-        Size of the elements at the arms; elsewhere they grow to a fourth of half_width.
+        Size of the elements at the arms.
     tip_h
         Size of the elements at the ends of the arms.
+    far
+        To which they grow elsewhere; default a fourth of half_width.
     order
         Degree of the displacement.
     """
 
-    def __init__(self, arms, half_width=1.0, maxh=0.05, tip_h=1e-4, order=3):
+    def __init__(self, arms, half_width=1.0, maxh=0.05, tip_h=1e-4, order=3, far=None):
         self.arms, self.half_width = [Arm(*arm) for arm in arms], half_width
-        split = SplitMesh(self.arms, half_width, maxh, tip_h)
+        split = SplitMesh(self.arms, half_width, maxh, tip_h, far or half_width / 4)
         self.mesh, self.points, self.triangles, self.old, self.lips = split.mesh, split.points, split.triangles, split.old, split.lips
         self.space = VectorH1(self.mesh, order=order)
         u, v = self.space.TnT()

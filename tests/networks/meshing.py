@@ -37,9 +37,9 @@ class SplitMesh:
         An ngsolve.Mesh with the same vertices.
     """
 
-    def __init__(self, arms, half_width, maxh, tip_h):
+    def __init__(self, arms, half_width, maxh, tip_h, far):
         self.arms = arms
-        coarse = coarse_mesh(self._Geometry(half_width, maxh, tip_h), half_width, [p for arm in arms for p in (arm.a, arm.b)], tip_h)
+        coarse = coarse_mesh(self._Geometry(half_width, maxh, tip_h), far, [p for arm in arms for p in (arm.a, arm.b)], tip_h)
         points = np.array([p.p[:2] for p in coarse.Points()])
         triangles = np.array([[v.nr - 1 for v in e.vertices] for e in coarse.Elements2D()])
         segments = [(s.index - 1, *(v.nr - 1 for v in s.vertices)) for s in coarse.Elements1D()]
@@ -81,11 +81,11 @@ def doubled(triangles, corner, cut):
     return rank[fan].reshape(-1, 3), np.sort(old)
 
 
-def coarse_mesh(geometry, half_width, ends, tip_h):
+def coarse_mesh(geometry, far, ends, tip_h):
     """Netgen's; steep grading sometimes defeats it, or it forgets the size at an end: then another grading is tried."""
     for grading in (0.3, 0.35, 0.4, 0.25, 0.2):
         try:
-            mesh = geometry.GenerateMesh(maxh=half_width / 4, grading=grading)
+            mesh = geometry.GenerateMesh(maxh=far, grading=grading)
         except NgException:
             continue
         points = np.array([p.p[:2] for p in mesh.Points()])
