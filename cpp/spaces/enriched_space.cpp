@@ -102,8 +102,8 @@ namespace ngsxfem_contact
           {
             for (auto dof : dofs.Range(k*n, (k+1)*n))
               if (IsRegularDof(dof)) found[region][k].push_back(dof);
-            if (IsWhollyHeld(region))
-              for (auto dof : dofs.Range(D*n, dofs.Size())) found[region][k].push_back(dof);
+            for (auto dof : dofs.Range(D*n, dofs.Size()))
+              if (IsWhollyHeld(region) || (held[k][region] && HasOnly(dof, k))) found[region][k].push_back(dof);
           }
       }
     for (auto & region : found)

@@ -85,6 +85,8 @@ namespace ngsxfem_contact
     virtual size_t CollectSingular () = 0;
     virtual FlatArray<DofId> SingularDofs (ElementId ei) const = 0;
     virtual SingularFunctions<D> SingularOf (ElementId ei) const = 0;
+    /// Whether a singular function has only this component on a boundary where it alone is held.
+    virtual bool HasOnly (DofId dof, int component) const { return false; }
     /// Whether one of the components is fixed on a boundary region.
     bool IsHeld (int region) const { return std::ranges::any_of(held, [&] (auto & regions) { return regions[region]; }); }
     bool IsWhollyHeld (int region) const { return std::ranges::all_of(held, [&] (auto & regions) { return regions[region]; }); }

@@ -41,13 +41,28 @@ namespace ngsxfem_contact
     return FrontFunctions::size*nodes.size();
   }
 
-  std::set<size_t> SolidFESpace :: PartlyHeldVertices () const
+  std::map<size_t, int> SolidFESpace :: PartlyHeldVertices () const
   {
-    std::set<size_t> vertices;
+    std::map<size_t, int> vertices;
     for (auto el : ma->Elements(BND))
-      if (IsHeld(el.GetIndex()) && !IsWhollyHeld(el.GetIndex()))
-        for (auto v : el.Vertices()) vertices.insert(v);
+      if (int region = el.GetIndex(); IsHeld(region) && !IsWhollyHeld(region))
+        {
+          auto [a, b, c] = MeshParts<3>::TriangleOf(*ma, el.Nr());
+          Point3 normal = Cross(Point3(b-a), Point3(c-a));
+          int axis = -1, number = 0;
+          for (int k = 0; k < 3; k++)
+            if (HeldRegions(k)[region] && ++number && std::abs(normal(k)) > (1-1e-12)*L2Norm(normal)) axis = k;
+          if (number > 1) axis = -1;
+          for (auto v : el.Vertices())
+            if (auto [it, isnew] = vertices.insert({ v, axis }); !isnew && it->second != axis) it->second = -1;
+        }
     return vertices;
+  }
+
+  bool SolidFESpace :: HasOnly (DofId dof, int component) const
+  {
+    size_t number = dof-FirstSingularDof();
+    return number % FrontFunctions::size == 2 && nodes[number / FrontFunctions::size].along == component;
   }
 
   size_t SolidFESpace :: NearestFront (size_t sheet, Point3 x) const
@@ -85,6 +100,14 @@ namespace ngsxfem_contact
     return true;
   }
 
+  /// Whether what is held at a node is a component along the front there, or nothing.
+  bool SolidFESpace :: LeavesAlong (FrontNode node) const
+  {
+    if (!node.along) return true;
+    auto & front = body->Fronts()[node.front];
+    return *node.along >= 0 && std::abs(front.FrameAt(front.Tube(ma->GetPoint<3>(node.vertex)).s)[2](*node.along)) > 1-1e-10;
+  }
+
   void SolidFESpace :: FindNodes ()
   {
     nodes.clear();
@@ -101,8 +124,9 @@ namespace ngsxfem_contact
               if (front.SheetNumber() == sheet && front.Distance(ma->GetPoint<3>(v)) < demand.radius) around.insert(v);
         for (auto v : around)
           {
-            FrontNode node { v, NearestFront(sheet, ma->GetPoint<3>(v)) };
-            if (!partly_held.contains(v) && IsAlone(node)) nodes.push_back(node);
+            FrontNode node { v, NearestFront(sheet, ma->GetPoint<3>(v)), std::nullopt };
+            if (auto it = partly_held.find(v); it != partly_held.end()) node.along = it->second;
+            if (IsAlone(node) && LeavesAlong(node)) nodes.push_back(node);
             else if (body->FrontNodes(sheet).contains(v)) num_left_out++;
           }
       }

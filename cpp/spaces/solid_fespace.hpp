@@ -15,7 +15,7 @@ namespace ngsxfem_contact
     std::vector<FrontFunctions> modes;                // by front; empty: there are none
     FrontDemand demand;
     shared_ptr<const SolidRules> rules;
-    struct FrontNode { size_t vertex, front; };
+    struct FrontNode { size_t vertex, front; std::optional<int> along; };   // along: the axis in which the front leaves through a boundary where that component is held
     std::vector<FrontNode> nodes;                     // those with modes
     size_t num_left_out = 0;
     struct ModesIn { std::vector<NodeWithModes> nodes; std::vector<DofId> dofs; };
@@ -35,7 +35,8 @@ namespace ngsxfem_contact
     const SolidRules & Rules () const override { return *rules; }
 
     size_t NumFrontNodes () const { return nodes.size(); }
-    /// Nodes around fronts without modes: beside corners, where two fronts are near, and where some components of u are held and others are not.
+    /// Nodes around fronts without modes: beside corners, where two fronts are near, and where some components of u are held and others are not, but for planes that a front
+    /// is normal to: there modes I and II have no component along the normal, and mode III is held with it.
     size_t NumLeftOut () const { return num_left_out; }
     /// The vertex of the j-th node with modes, and the front.
     std::pair<size_t, size_t> FrontNodeAt (size_t j) const { return { nodes.at(j).vertex, nodes.at(j).front }; }
@@ -46,9 +47,12 @@ namespace ngsxfem_contact
     FlatArray<DofId> SingularDofs (ElementId ei) const override { return View(ModesOf(ei).dofs); }
     SingularFunctions<3> SingularOf (ElementId ei) const override { return SingularFunctions<3>(View(ModesOf(ei).nodes)); }
     void FindNodes ();
-    std::set<size_t> PartlyHeldVertices () const;
+    /// Of the vertices on boundaries where some components are held and others are not that component and the axis of the normal if they are one, else -1.
+    std::map<size_t, int> PartlyHeldVertices () const;
+    bool HasOnly (DofId dof, int component) const override;
     size_t NearestFront (size_t sheet, Point3 x) const;
     bool IsAlone (FrontNode node) const;
+    bool LeavesAlong (FrontNode node) const;
     void AddModes (VorB vb);
     const ModesIn & ModesOf (ElementId ei) const
     { return ei.VB() <= BND ? modes_in[ei.VB()][modes_of[ei.VB()][ei.Nr()]] : modes_in[VOL][0]; }

@@ -204,7 +204,7 @@ def warn_of_left_out(V: SolidFESpace) -> None:
         warn(
             f"CrackFESpace: {V.num_left_out} of {V.num_left_out + len(V.front_nodes)} nodes around fronts have no modes, and the crack is held together there: beside "
             "corners of a front, where the front turns or two fronts are near within two elements, or where some components of u are held and others are not. "
-            "Refine the mesh there, or round the corners; where a front ends on a plane of symmetry, stiff springs (problem.a) in place of dirichletx=, dirichlety=, dirichletz= keep the modes"
+            "Refine the mesh there, or round the corners; where a front ends on rollers that are not normal to it, stiff springs (problem.a) in their place keep the modes"
         )
 
 

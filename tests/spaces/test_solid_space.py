@@ -4,10 +4,11 @@ import pickle
 
 import numpy as np
 import pytest
-from ngsolve import BND, CF, BilinearForm, Grad, GridFunction, InnerProduct, Integrate, sqrt, x, y, z
+from netgen.occ import Box, OCCGeometry, Pnt, Y, Z
+from ngsolve import BND, CF, BilinearForm, Grad, GridFunction, InnerProduct, Integrate, Mesh, sqrt, x, y, z
 from ngsolve.meshes import MakeStructured3DMesh
 
-from ngsxfem_contact import CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, NormalGap, Plus, Strain
+from ngsxfem_contact import ContactProblem, CrackedMesh, CrackFESpace, Elasticity, Jump, Minus, NormalGap, Plus, Strain, TraceSpace
 from ngsxfem_contact._ngsxfem_contact import StressPower
 from ngsxfem_contact.algebra.matrices import mask, to_scipy
 from ngsxfem_contact.errors import AccuracyWarning
@@ -314,3 +315,35 @@ def test_refused_enrichments():
         Interpolant(V, CF((0, 0, 0)), fronts=[CF((1, 0, 0))] * 2)
     with pytest.raises(Exception, match="there is no component 3"):
         V.HeldRegions(3)
+
+
+def slab(maxh, held=None):
+    """Of a third of a unit thickness between planes of symmetry, with an edge crack normal to them; held by the space, or by stiff springs."""
+    box = Box(Pnt(0, 0, 0), Pnt(1, 1, 0.3))
+    for face in box.faces:
+        face.name = "free"
+    box.faces.Min(Y).name, box.faces.Max(Y).name, box.faces.Min(Z).name, box.faces.Max(Z).name = "bottom", "top", "end", "end"
+    mesh = Mesh(OCCGeometry(box).GenerateMesh(maxh=maxh))
+    body = CrackedMesh(mesh, Sheet.Polygon([(-1, 0.513, -1), (-1, 0.513, 2), (0.47, 0.513, 2), (0.47, 0.513, -1)]))
+    V = CrackFESpace(body, order=1, material=Elasticity.Solid(E=1, nu=0.3), dirichlet="bottom", **({"dirichletz": "end"} if held is None else {}))
+    problem = ContactProblem(V, TraceSpace(body))
+    u, v = V.TnT()
+    if held:
+        problem.a += held * u[2] * v[2] * body.ds("end")
+    return problem
+
+
+def test_a_front_that_ends_on_a_plane_of_symmetry():
+    """Modes I and II have no component along the front there, and mode III is held: u_z = 0, as with stiff springs, and translations stay exact."""
+    problem, sprung = slab(0.1), slab(0.1, 1e5)
+    assert problem.V.num_left_out == sprung.V.num_left_out == 0 and len(problem.V.front_nodes) == len(sprung.V.front_nodes)
+    for each in (problem, sprung):
+        each.f += CF((0.2, 1, 0)) * each.V.TestFunction() * each.body.ds("top")
+    held, soft = problem.Solve(), sprung.Solve()
+    assert sqrt(Integrate(held.u[2] ** 2 * problem.body.ds("end"), problem.body.mesh)) < 1e-14
+    assert held.Energy() == pytest.approx(soft.Energy(), rel=1e-4)
+    moved = slab(0.1)
+    moved.SetDirichlet((0, 0, 0.1), "bottom")
+    moved.SetDirichlet((None, None, 0.1), "end")
+    u = moved.Solve().u - CF((0, 0, 0.1))
+    assert Integrate(InnerProduct(u, u) * moved.body.dx, moved.body.mesh) < 1e-24
