@@ -15,7 +15,6 @@ from netgen.geom2d import SplineGeometry
 from ngsolve import CF, CoefficientFunction, IfPos, InnerProduct, Integrate, Mesh, atan2, cos, exp, sin, sqrt, x, y
 
 from .._ngsxfem_contact import Crack
-from ..fracture.tip_fields import half_angle
 from ..operators import Slip
 
 if TYPE_CHECKING:
@@ -23,6 +22,24 @@ if TYPE_CHECKING:
 
     from ..contact.solution import ContactSolution
     from ..material import Isotropic
+
+
+def half_angle(
+    X: CoefficientFunction, Y: CoefficientFunction, r: CoefficientFunction, side: CoefficientFunction | int | None = None
+) -> tuple[CoefficientFunction, CoefficientFunction]:
+    """√r cos(θ/2), √r sin(θ/2), θ the angle of (X, Y).
+
+    Parameters
+    ----------
+    side
+        None for θ in (-π, π]; otherwise ±1, which of the two sides of the cut a point with X < 0 belongs to: the cut may be any curve that leaves the
+        origin at θ = π.
+    """
+    large = sqrt(0.5 * (r + IfPos(X, X, -X)))
+    small = 0.5 * IfPos(Y, Y, -Y) / large
+    sign = IfPos(-Y, -1, 1)
+    behind = sign if side is None else side
+    return IfPos(X, large, sign * behind * small), IfPos(X, sign * small, behind * large)
 
 
 @dataclass(frozen=True)

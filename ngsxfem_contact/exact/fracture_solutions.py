@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ngsolve import CF, CoefficientFunction, x, y
 from ngsolve import sqrt as root
 
-from ..fracture.tip_fields import half_angle
+from .closed_forms import half_angle
 
 if TYPE_CHECKING:
     from ..material import Isotropic

@@ -20,24 +20,6 @@ if TYPE_CHECKING:
 SIDE = {"plus": 1, "minus": -1}
 
 
-def half_angle(
-    X: CoefficientFunction, Y: CoefficientFunction, r: CoefficientFunction, side: CoefficientFunction | int | None = None
-) -> tuple[CoefficientFunction, CoefficientFunction]:
-    """√r cos(θ/2), √r sin(θ/2), θ the angle of (X, Y).
-
-    Parameters
-    ----------
-    side
-        None for θ in (-π, π]; otherwise ±1, which of the two sides of the cut a point with X < 0 belongs to: the cut may be any curve that leaves the
-        origin at θ = π.
-    """
-    large = sqrt(0.5 * (r + IfPos(X, X, -X)))
-    small = 0.5 * IfPos(Y, Y, -Y) / large
-    sign = IfPos(-Y, -1, 1)
-    behind = sign if side is None else side
-    return IfPos(X, large, sign * behind * small), IfPos(X, sign * small, behind * large)
-
-
 class TipFrame:
     """Coordinates X, Y, r at a tip of `body.tips`, X ahead; θ = ±π on the lips, at the tip and along the crack as it bends."""
 

@@ -13,7 +13,7 @@ from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFE
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import InteractionIntegral
-from ngsxfem_contact.fracture.tip_fields import TipFrame, half_angle
+from ngsxfem_contact.fracture.tip_fields import TipFrame
 from study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, add_loads, paper_problem, unstructured_mesh
 
 ANGLE, OFFSET = 0.4, (0.02, -0.03)
@@ -112,7 +112,7 @@ def loaded_and_bent():
     body = CrackedMesh(rectangle(0.05, (-0.5, -0.5), (0.5, 0.5)), Crack([(-0.5, 0.3), (-0.2, 0), (0, 0)]))
     V = CrackFESpace(body, order=2, tip=TIP, dirichlet=".*")
     problem, v, frame, n = ContactProblem(V, TraceSpace(body, order=1), MATERIAL), V.TestFunction(), TipFrame(body, 0), body.normal
-    c, s = (f / frame.r**0.5 for f in half_angle(frame.X, frame.Y, frame.r, body.cracks[0].side))
+    c, s = (f / frame.r**0.5 for f in cf.half_angle(frame.X, frame.Y, frame.r, body.cracks[0].side))
     mode = (frame.r / (2 * np.pi)) ** 0.5 / (2 * MATERIAL.mu) * CF((c * (MATERIAL.kappa - 1 + 2 * s * s), s * (MATERIAL.kappa + 1 - 2 * c * c)))
     problem.SetDirichlet(mode + CF((0.3 * x * x - 0.2 * y * y, 0.5 * x * y)), ".*")
     smooth = CF((0.6 * x, 0.05 * y, 0.05 * y, 0.5 * x), dims=(2, 2))  # its strain

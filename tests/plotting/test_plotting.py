@@ -52,16 +52,6 @@ def profile(crack=0, n=200):
     return SimpleNamespace(s=s, x=s, y=zero, gap=np.where(inside, 0, 1e-3), slip=zero, sigma_n=np.where(inside, -0.2, 0), sigma_t=zero)
 
 
-@pytest.fixture
-def pyplot():
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    yield plt
-    plt.close("all")
-
-
 def test_von_mises():
     mesh = unstructured()
     at = mesh(0.5, 0.1)  # holds no reference to the mesh

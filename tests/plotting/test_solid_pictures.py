@@ -59,16 +59,6 @@ def made_factors(body):
     return FrontFactors(body, 0, s, points, K_I, K_II, K_III, G, G, 0.01 * np.ones((8, 3)), 0.01 * G, (0.1,), np.zeros((1, 8, 4)))
 
 
-@pytest.fixture
-def pyplot():
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    yield plt
-    plt.close("all")
-
-
 def read_vtu(path):
     """{part: {name: array}} of a file with arrays in base64."""
     types, found = {"Float64": np.float64, "Int32": np.int32, "UInt8": np.uint8}, {}
