@@ -59,7 +59,7 @@ def plot_front(factors: FrontFactors, ax: Any = None, quantity: str = "K_I") -> 
         )
     right.axhline(0, color="0.5", linewidth=0.6)
     margin = 0.02 * front.length
-    right.set(xlabel="arc length s along the front", ylabel="$K$", xlim=(-margin, front.length + margin))
+    right.set(xlabel="arc length s along the front", ylabel="stress intensity factor", xlim=(-margin, front.length + margin))
     right.legend(loc="best")
     return axes
 

@@ -88,6 +88,11 @@ def legend_below(ax: Any) -> None:
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False)
 
 
+def colour_bar(ax: Any, colours: Any, label: str, **options: Any) -> Any:
+    """The scale of colours, as long as the axes are when their units have become equal."""
+    return ax.figure.colorbar(colours, cax=ax.inset_axes([1.04, 0, 0.045, 1]), label=label, **options)
+
+
 def picture_of(solution: ContactSolution, scale: float | None, field: CoefficientFunction | None = None) -> tuple[Picture, float, np.ndarray, np.ndarray]:
     """(Picture, scale, scaled displacement (N, 2), values (M, 3, dim) of a field, one-sided at the lips); field=None: the von Mises stress."""
     split, u = split_displacement(solution)
@@ -148,7 +153,7 @@ def drawn_body(picture: Picture, scale: float, u: np.ndarray, values: np.ndarray
     corners = shape[picture.triangles].reshape(-1, 2)
     numbers = np.arange(len(corners)).reshape(-1, 3)
     colours = ax.tripcolor(*corners.T, numbers, values.ravel(), shading="gouraud", vmin=low, vmax=high)
-    ax.figure.colorbar(colours, ax=ax, label=label, extend="both")
+    colour_bar(ax, colours, label, extend="both")
     for side, (name, colour) in LIPS.items():
         edges = shape[picture.lips[picture.lip_side == side]]
         lines = np.concatenate([edges, np.full_like(edges[:, :1], np.nan)], axis=1).reshape(-1, 2)  # nan lifts the pen

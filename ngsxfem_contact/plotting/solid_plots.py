@@ -10,7 +10,7 @@ from ngsolve import CF, BoundaryFromVolumeCF
 from .._ngsxfem_contact import CrackedSolid
 from ..arguments import crack_number
 from .clipping import below, section
-from .plots import LIPS, PROFILES, body_plot, mesh_plot, profile_plot, pyplot, scene, usual_scale, visible_scale
+from .plots import LIPS, PROFILES, body_plot, colour_bar, mesh_plot, profile_plot, pyplot, scene, usual_scale, visible_scale
 from .sheet_trace import SheetTrace
 from .solid_picture import SolidPicture
 
@@ -153,7 +153,7 @@ def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float 
     for axis, part in zip((ax.xaxis, ax.yaxis, ax.zaxis), (high_corner - low_corner) / np.ptp([low_corner, high_corner], axis=0).max()):
         axis.set_major_locator(plt.MaxNLocator(5 if part > 0.6 else 3))
     ax.figure.colorbar(plt.cm.ScalarMappable(norm, colour_map), ax=ax, label=label, extend="both", shrink=0.7, pad=0.08)
-    ax.legend(loc="upper left", frameon=False)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, frameon=False)
     ax.set_title(f"deformed body, displacement × {scale:g}")
     return ax
 
@@ -264,8 +264,10 @@ class SheetView:
 
     def Bar(self, axis: Any, shown: Any, label: str) -> None:
         """The scale of colours: below a flat sheet, else beside it."""
-        bar = axis.figure.colorbar(shown, ax=axis, label=label, location="bottom" if self.is_flat else "right", shrink=0.85)
-        if self.is_flat:
+        if not self.is_flat:
+            colour_bar(axis, shown, label)
+        else:
+            bar = axis.figure.colorbar(shown, ax=axis, label=label, location="bottom", shrink=0.85)
             bar.locator = pyplot().MaxNLocator(5)
             bar.formatter.set_powerlimits((-3, 4))
             bar.update_ticks()
@@ -275,6 +277,7 @@ class SheetView:
         names = ["xyz"[int(np.argmax(v))] if v.max() == 1 else f"along ({', '.join(f'{c:.3g}' for c in v)})" for v in self.axes]
         axis.autoscale_view()
         axis.set(aspect="equal", xlabel=names[0], ylabel=names[1])
+        axis.xaxis.set_major_locator(pyplot().MaxNLocator(5))
 
 
 def sheet_axes(trace: SheetTrace, ax: Any, fields: Sequence[tuple[str, np.ndarray]], edge: np.ndarray) -> list[Any]:

@@ -71,7 +71,7 @@ def test_body_is_drawn_with_the_crack_open(solution, pyplot):
     assert mouth[1] > 0.1
     assert np.allclose(drawn, 0.1 * mouth, atol=1e-10)
     assert ax.get_aspect() == 1 and "0.1" in ax.get_title()
-    assert [a.get_ylabel() for a in ax.figure.axes if a is not ax] == ["von Mises stress"]
+    assert [bar.get_ylabel() for bar in ax.child_axes] == ["von Mises stress"]
 
 
 def test_automatic_scale_shows_five_percent(solution, pyplot):
@@ -101,7 +101,7 @@ def test_body_is_coloured_by_a_field(solution, pyplot):
     ax = plotting.plot_body(solution, field=stress, label="σ_yy")
     split, _ = plotting.split_displacement(solution)
     assert np.allclose(ax.collections[0].get_array(), split.EvaluateInside(stress).ravel())
-    assert [a.get_ylabel() for a in ax.figure.axes if a is not ax] == ["σ_yy"]
+    assert [bar.get_ylabel() for bar in ax.child_axes] == ["σ_yy"]
 
 
 def test_profile_of_an_open_crack_has_no_contact_zone(solution, pyplot):

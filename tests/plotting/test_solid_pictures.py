@@ -317,6 +317,6 @@ def test_k_is_drawn_along_the_front(opened, pyplot):
     assert np.allclose(line[:-1, 1], factors.K_I) and np.allclose(line[-1], (factors.s[0] + 2 * np.pi * RADIUS, factors.K_I[0]))
     front = left.collections[1]
     assert front.get_array().min() >= factors.K_I.min() and front.get_array().max() <= factors.K_I.max()
-    assert re.search(r"K_\{\\mathrm\{I\}\}", left.figure.axes[-1].get_ylabel()) and plot_front(factors, quantity="G")
+    assert re.search(r"K_\{\\mathrm\{I\}\}", left.child_axes[0].get_ylabel()) and plot_front(factors, quantity="G")
     with pytest.raises(ValueError, match="quantity='K' is not one of"):
         plot_front(factors, quantity="K")
