@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 
-__all__ = ["AccuracyWarning", "NotCoercive", "NotConverged", "NotSaved", "SingularSystem", "SolveError", "TooCoarse"]
+__all__ = ["AccuracyWarning", "NotCoercive", "NotConverged", "NotHeld", "NotSaved", "SingularSystem", "SolveError", "TooCoarse"]
 
 
 class SolveError(RuntimeError):
@@ -17,6 +17,10 @@ class NotConverged(SolveError):
 
     With Coulomb friction there may be no solution at all, see `Coulomb`.
     """
+
+
+class NotHeld(NotConverged):
+    """Parts of the body that only the faces hold are not held by them: the load pulls them off, or pushes them along."""
 
 
 class SingularSystem(SolveError):

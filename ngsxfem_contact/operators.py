@@ -21,16 +21,17 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ngsolve import CF, Grad, IfPos, InnerProduct, Sym
+from ngsolve import CF, Cross, Grad, GridFunction, IfPos, InnerProduct, Norm, SurfaceL2, Sym, specialcf
 
 from ._ngsxfem_contact import Variation
+from .points import points_into
 
 if TYPE_CHECKING:
-    from ngsolve import CoefficientFunction
+    from ngsolve import CoefficientFunction, Mesh
 
     from ._ngsxfem_contact import CrackedMesh
 
-__all__ = ["Gradient", "Jump", "Minus", "NormalGap", "NormalStress", "Plus", "Slip", "Strain", "TangentialStress", "Variation"]
+__all__ = ["Gradient", "Jump", "Minus", "NormalGap", "NormalStress", "OutwardNormal", "Plus", "Slip", "Strain", "TangentialStress", "Variation"]
 
 SIDES = ("plus", "minus", "larger")
 
@@ -110,6 +111,29 @@ def NormalStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientF
 def TangentialStress(stress: CoefficientFunction, body: CrackedMesh) -> CoefficientFunction:
     """σ_t = t·σn of a stress on the crack."""
     return InnerProduct(stress * body.normal, body.tangent)
+
+
+def OutwardNormal(mesh: Mesh) -> CoefficientFunction:
+    """The unit normal on ∂Ω that points out of the body.
+
+    NGSolve's own, `specialcf.normal`, has the side that the elements of the boundary were numbered for: at holes, and in bodies that were mirrored or
+    subtracted, it may point into the body.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Of the body, `body.mesh`.
+
+    Returns
+    -------
+    CoefficientFunction
+        A vector, for the boundary only. On boundaries inside of the body, between two regions, it has the side that the numbers give.
+    """
+    J = specialcf.JacobianMatrix(mesh.dim, mesh.dim - 1)
+    across = CF((J[1], -J[0])) if mesh.dim == 2 else Cross(*(CF(tuple(J[i, k] for i in range(3))) for k in range(2)))
+    side = GridFunction(SurfaceL2(mesh, order=0))
+    side.vec.FV().NumPy()[:] = 1 - 2 * points_into(mesh, across)
+    return side / Norm(across) * across
 
 
 @dataclass(frozen=True)

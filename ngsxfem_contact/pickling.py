@@ -5,7 +5,7 @@ NGSolve pickles a function node by node, so that the nodes named here are saved 
 - trial and test functions, which NGSolve does not save: of a space, with the name of an operator;
 - operators of GridFunctions, such as Grad(u) and Jump(u), which NGSolve reads back as others: asked again of the GridFunction;
 - GridFunctions, whose coefficients NGSolve numbers in another way after a refined mesh was read: they are saved in the order of `numbering`;
-- the normal and tangential vectors and the mesh size of `specialcf`.
+- the normal and tangential vectors, the mesh size and the Jacobian matrices on boundaries of `specialcf`.
 """
 
 from __future__ import annotations
@@ -118,11 +118,15 @@ def reduce_proxy(proxy: comp.ProxyFunction) -> Any:
 def special(name: str, dimension: int) -> CoefficientFunction:
     """A function of NGSolve's specialcf in the plane, or in space."""
     function = getattr(specialcf, name)
+    if name == "JacobianMatrix":
+        return function(dimension, dimension - 1)
     return function if isinstance(function, CoefficientFunction) else function(dimension)
 
 
 SPECIAL = {
-    (core.NameOf(special(name, dim)), special(name, dim).dim): (special, (name, dim)) for name in ("normal", "tangential", "mesh_size") for dim in (3, 2)
+    (core.NameOf(special(name, dim)), special(name, dim).dim): (special, (name, dim))
+    for name in ("normal", "tangential", "mesh_size", "JacobianMatrix")
+    for dim in (3, 2)
 }
 
 

@@ -6,12 +6,12 @@ from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BND, VOL, ElementId
+from ngsolve import BND, VOL, ElementId, x, y, z
 
 from ._ngsxfem_contact import CrackedSolid
 
 if TYPE_CHECKING:
-    from ngsolve import Mesh
+    from ngsolve import CoefficientFunction, Mesh
 
     from ._ngsxfem_contact import CrackedMesh
 
@@ -55,6 +55,20 @@ def boundary_points(mesh: Mesh, elements: np.ndarray, *reference: np.ndarray) ->
     points = mesh_points(mesh, elements, *reference, *[np.zeros(len(elements))] * (3 - len(reference)))
     points["VorB"] = int(BND)
     return points
+
+
+def points_into(mesh: Mesh, normal: CoefficientFunction) -> np.ndarray:
+    """On which elements of the boundary of the body (boolean) a normal vector points into it; False on those between two elements."""
+    boundary = list(mesh.Elements(BND))
+    beside = [mesh[(element.edges if mesh.dim == 2 else element.faces)[0]].elements for element in boundary]
+    outer = np.flatnonzero([len(elements) == 1 for elements in beside])
+    points = boundary_points(mesh, outer, *(np.full(len(outer), at) for at in (0.3, 0.4)[: mesh.dim - 1]))
+    vertices = element_vertices(mesh)[[beside[number][0].nr for number in outer]].reshape(len(outer), mesh.dim + 1)
+    centres = mesh.ngmesh.Coordinates()[:, : mesh.dim][vertices].mean(axis=1)
+    places = np.column_stack([np.ravel(coordinate(points)) for coordinate in (x, y, z)[: mesh.dim]])
+    into = np.zeros(len(boundary), dtype=bool)
+    into[outer] = np.sum(normal(points).reshape(places.shape) * (places - centres), axis=1) < 0
+    return into
 
 
 @singledispatch

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..errors import NotConverged
+from ..errors import NotConverged, NotHeld
 from .box_path import AT_UPPER, INSIDE, follow_path
 
 ROUND_OFF = 1e-12
@@ -82,7 +82,7 @@ def solve_balanced(
 
     Notes
     -----
-    The active set is that of an augmented Lagrangian, Q + BBᵀ/ρ with α += (Bᵀp + pull)/ρ; on it p and α are found exactly. Raises SingularSystem where contact
+    The active set is that of an augmented Lagrangian, Q + BBᵀ/ρ with α += (Bᵀp + pull)/ρ; on it p and α are found exactly. Raises NotHeld where contact
     does not balance the load.
     """
     rho, alpha = np.linalg.norm(B, 2) ** 2 / (1e5 * np.diag(Q).max()), np.zeros(len(pull))
@@ -94,9 +94,7 @@ def solve_balanced(
         if is_admissible(p, w, Q):
             return ActiveSetResult(p, history, result.fallback), exact
         alpha = alpha + (B.T @ result.p + pull) / rho
-    raise NotConverged(
-        "contact does not balance the load on parts of the body that only the faces hold: hold them by supports or by friction, or change the load"
-    )
+    raise NotHeld("contact does not balance the load on parts of the body that only the faces hold: hold them by supports or by friction, or change the load")
 
 
 def balanced_equalities(Q: np.ndarray, q: np.ndarray, B: np.ndarray, pull: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

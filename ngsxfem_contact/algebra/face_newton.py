@@ -22,7 +22,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..errors import NotConverged
+from ..errors import NotConverged, NotHeld
 from .compliance import Compliance
 from .face_relations import Memory, Relation
 
@@ -253,7 +253,7 @@ def continued(problem: FaceProblem, start: np.ndarray, max_iterations: int, smal
                     if len(problem.pull)
                     else ""
                 )
-                raise NotConverged(
+                raise (NotHeld if len(problem.pull) else NotConverged)(
                     f"the law of the faces: Newton's method ended neither at once nor in small steps of the load (the last at {done:.3g} of the way, {stuck}): "
                     f"where faces soften the load may be beyond what they carry, or the load-displacement curve snaps back: take smaller load steps, or PathSteps{parts}"
                 ) from None

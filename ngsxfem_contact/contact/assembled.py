@@ -79,6 +79,7 @@ class AssembledProblem(ABC):
         size = f"{self.number} displacement unknowns"
         self._admit(problem)
         with stage(self.timings, "check", f"checking rigid motions, {size}"):
+            problem.supports.Update()
             self.motions = PinnedMotions(problem)
             problem.supports.Check()
             self.supports = problem.supports.Holders(), problem.supports.CornerEdges()

@@ -30,6 +30,7 @@ class LoadCase:
     """
 
     def __init__(self, problem: "ContactProblem") -> None:
+        problem.supports.Update()
         problem.supports.Check()
         self.jumps, self.held = problem.supports.NormalJumps(), frozenset(problem.supports.sides)
         self.F, self.load = problem.f.Vector(), LoadTerms.Of(problem.f)

@@ -25,7 +25,7 @@ class LoadSteps:
         What is loaded.
     cases
         LoadCases of the problem; default one, what it holds now, so that t scales all loads. The initial gap, the initial stress and the temperature
-        stay.
+        stay. Coefficients, such as a Parameter, count with the values that they have when the case is made.
     inverse
         As for ContactProblem.Solve.
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 from ngsolve import CoefficientFunction, InnerProduct, Parameter
 
 from .. import _ngsxfem_contact as core
-from ..arguments import INFINITY, check_function, check_number, check_type, crack_number
+from ..arguments import INFINITY, check_function, check_number, check_regions, check_type, crack_number
 from ..description import Described
 from ..loads.face_traction import ComparedTraction
 from ..loads.load import LoadForm, StiffnessForm, check_symmetric_stress
 from ..loads.supports import Supports
 from ..material import Isotropic
-from ..operators import NORMAL, Gradient, Minus, Plus
+from ..operators import NORMAL, Gradient, Minus, OutwardNormal, Plus
 from ..protocols import FaceLaw, LawAtNodes, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
@@ -181,6 +181,22 @@ class ContactProblem(Described):
         if form is not self._a:
             raise TypeError(f"problem.a cannot be replaced by {form!r}; add terms to it, problem.a += ...")
 
+    def Pressure(self, p: Coefficient, region: str, bonus_intorder: int = 0) -> None:
+        """Adds a pressure on a part of ∂Ω: -∫p n·v, n the OutwardNormal.
+
+        Parameters
+        ----------
+        p
+            Number or CoefficientFunction, a stress; positive presses.
+        region : str
+            Names of boundaries, a regular expression.
+        bonus_intorder
+            For functions that are no polynomials along the boundary, and for curved elements.
+        """
+        p = check_function(p, "Pressure: p", 1)
+        check_regions(self.body.mesh, region, "Pressure: region")
+        self.f += -1 * p * OutwardNormal(self.body.mesh) * self.V.TestFunction() * self.body.ds(region, bonus_intorder=bonus_intorder)
+
     def FacePressure(self, p: Coefficient, crack: int | str | None = None, bonus_intorder: int = 0) -> None:
         """Adds a pressure on both faces, of a fluid in the crack: it opens the crack where p > 0, and λ ≤ 0 carries what it leaves.
 
@@ -259,7 +275,7 @@ class ContactProblem(Described):
         ----------
         value
             CoefficientFunction, a vector, or tuple; in a tuple None leaves a component free: (0, None) is a roller. What was given on the region
-            before is replaced.
+            before is replaced. A Parameter or a GridFunction in it counts with the value that it has in Solve or LoadCase.
         region : str
             Names of boundaries, a regular expression.
 

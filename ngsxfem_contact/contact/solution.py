@@ -109,7 +109,8 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
 
     @property
     def u(self) -> GridFunction:
-        """The displacement."""
+        """The displacement. Raises an Exception if the mesh was refined, curved or deformed since: NGSolve's functions are zero then."""
+        self.body.CheckMesh()
         return self._found[0]
 
     @cached_property
@@ -187,8 +188,7 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
 
         `total` of the table and the loads are in balance to round-off.
         """
-        _, supports = self._found
-        return supports.Forces(self.stress)
+        return self._found[1].Forces(self.stress)
 
     def Reaction(self, place: str | Sequence[float]) -> np.ndarray:
         """(F_x, F_y), in space (F_x, F_y, F_z), an array: the force that the supports exert on the body.

@@ -81,3 +81,17 @@ def check_room(body: CrackedMesh, material: Isotropic, crack: int, end: str) -> 
     room, limit = frame.Clearance(material)
     if room <= ROOM * frame.h:
         raise ValueError(f"the new tip {body.tips[number].point} would be {room:.4g} from {limit}, less than {ROOM} elements (h = {frame.h:.4g})")
+
+
+def check_cracks(body: CrackedMesh, cracks: list[Crack]) -> None:
+    """Raises ValueError if a body was made with other cracks than those that were asked for: their tips stay where they are."""
+    size = max(np.ptp(crack.points, axis=0).max() for crack in cracks) if cracks else 0.0
+    ends = [(number, crack.points[k]) for number, crack in enumerate(cracks) for k in (0, -1)]
+    for tip in body.tips:
+        if not any(number == tip.crack and np.hypot(*np.subtract(tip.point, end)) <= 1e-8 * size for number, end in ends):
+            raise ValueError(
+                f"CrackGrowth: make_problem returned a body with a tip at {tuple(round(float(c), 6) for c in tip.point)}, where none of the cracks that it was "
+                "given ends: build the body of its argument, CrackedMesh(mesh, *cracks)"
+            )
+    if len(body.cracks) != len(cracks):
+        raise ValueError(f"CrackGrowth: make_problem returned a body with {len(body.cracks)} crack(s), it was given {len(cracks)}: CrackedMesh(mesh, *cracks)")

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import check_number, check_whole
-from ..errors import SingularSystem
+from ..errors import NotHeld, SingularSystem
 from ..geometry import Crack, CrackedMesh
 from ..protocols import CrackInitiation, GrowthCriterion, GrowthLaw, members
 from ..share import share_in
 from ..spaces.resolution import warn_of_short_increment
 from ..tables import Table
-from .extension import ENDS, ROOM, arrival_of, check_room, extended, tip_number, turned, with_crack
+from .extension import ENDS, ROOM, arrival_of, check_cracks, check_room, extended, tip_number, turned, with_crack
 from .growth_laws import MaximumHoopStress
 from .stress_intensity import is_closed
 from .tip_fields import TipFrame
@@ -169,9 +169,12 @@ class CrackGrowth:
         ]
         try:
             rows = self._solved(cracks, cycles) + rows
-        except SingularSystem:
+        except (SingularSystem, NotHeld) as error:
             if not self._cut:
                 raise  # otherwise a part of the body is cut off, and free
+            if isinstance(error, NotHeld):
+                for row in rows:
+                    row.state += "; the faces do not hold what is cut off"
         self.cracks, self.cycles = cracks, cycles
         self.rows += rows
         self._count += 1
@@ -182,6 +185,7 @@ class CrackGrowth:
         problem = self.make_problem(cracks)
         if not hasattr(problem, "Solve"):
             raise TypeError(f"CrackGrowth: make_problem returned {problem!r}; it must return a ContactProblem")
+        check_cracks(problem.body, cracks)
         solution = problem.Solve(previous=self._history(problem))
         rows = [self._evaluate(solution, number) for number in range(len(solution.body.tips))]
         starting = [new for each in self.initiation for new in each.Starts(solution)]

@@ -38,7 +38,7 @@ RADII = (1, 0.75, 0.5)  # of the disks that are compared, relative to the larges
 
 @dataclass(eq=False)
 class StressIntensityFactors:
-    """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip.  K_I, K_II = factors.
+    """K_I and K_II in stress × √length; K_I > 0 opens, K_II has the sign of the slip.  K_I, K_II = factors, as a sequence.
 
     Attributes
     ----------
@@ -59,6 +59,12 @@ class StressIntensityFactors:
 
     def __iter__(self) -> Iterator[float]:
         return iter((self.K_I, self.K_II))
+
+    def __len__(self) -> int:
+        return 2
+
+    def __getitem__(self, mode: int) -> float:
+        return (self.K_I, self.K_II)[mode]
 
 
 @dataclass(eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from ngsolve import CF, CoefficientFunction, specialcf
+from ngsolve import CF, CoefficientFunction
 
 from ..algebra import FixedPoint, FullNewton
 from ..arguments import INFINITY, crack_number, crack_title
@@ -136,17 +136,15 @@ def body_force(table: Table, problem: ContactProblem) -> None:
 def traction(table: Table, problem: ContactProblem) -> None:
     """∫t·v over a part of the boundary."""
     values = table.Take({"traction": vector, "boundary": text, "bonus_intorder": whole}, ["traction", "boundary"])
-    _on_boundary(table, problem, values.pop("traction"), values)
+    force = values.pop("traction")
+    problem.f += force * problem.V.TestFunction() * problem.body.ds(**definedon(table, problem, "boundary", values))
 
 
 def pressure(table: Table, problem: ContactProblem) -> None:
     """∫-p n·v over a part of the boundary."""
     values = table.Take({"pressure": formula, "boundary": text, "bonus_intorder": whole}, ["pressure", "boundary"])
-    _on_boundary(table, problem, -values.pop("pressure") * specialcf.normal(2), values)
-
-
-def _on_boundary(table: Table, problem: ContactProblem, force: Any, values: dict[str, Any]) -> None:
-    problem.f += force * problem.V.TestFunction() * problem.body.ds(**definedon(table, problem, "boundary", values))
+    matched(table, "boundary", problem.V.mesh)
+    problem.Pressure(values.pop("pressure"), values.pop("boundary"), **values)
 
 
 def point_force(table: Table, problem: ContactProblem) -> None:

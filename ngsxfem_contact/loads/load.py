@@ -14,6 +14,7 @@ from ..points import distance_to_segments
 from .face_traction import FaceTractions, Joint
 from .terms import (
     check_linear,
+    check_normal,
     check_symmetric,
     checked_terms,
     coefficient_of_gradient,
@@ -84,6 +85,7 @@ class LoadForm(LinearForm):
             raise ValueError(f"{NAME_F}: a linear form holds no trial function; springs and elastic joints are added to {NAME_A}")
         for term in terms:
             check_linear(term, NAME_F)
+            check_normal(term, NAME_F)
         return [GivenTerm(term) for term in terms]
 
     def Vector(self) -> np.ndarray:

@@ -60,9 +60,10 @@ def spring_forces_on(springs: StiffnessForm, u: GridFunction, space: CrackFESpac
 
 def supports_on(supports: Supports, space: CrackFESpace) -> Supports:
     """The same displacements given on the same boundaries and at the same vertices."""
+    supports.Update()
     there = Supports(space)
-    for value, region in supports.functions:
-        there.SetDirichlet(value, region)
+    for function in supports.functions:
+        there.SetDirichlet(function.value, function.region)
     for vertex, component, value in supports.pins.values():
         there.PinVertex(vertex, {component: value})
     return there

@@ -51,6 +51,23 @@ class HeldSide:
     explicit: bool
 
 
+class GivenDisplacement:
+    """A value of SetDirichlet as it was written, its region, and its moments with the functions of V."""
+
+    def __init__(self, value: Any, region: str, form: LinearForm) -> None:
+        self.value, self.region, self._form = value, region, form
+        self.moments = self._Moments()
+        if not np.isfinite(self.moments).all():
+            raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
+
+    def _Moments(self) -> np.ndarray:
+        return self._form.Assemble().vec.FV().NumPy().copy()
+
+    def HasChanged(self) -> bool:
+        """Whether the value has other moments now."""
+        return bool(np.abs(self._Moments() - self.moments).max(initial=0) > ROUND_OFF * np.abs(self.moments).max(initial=0))
+
+
 class Supports:
     """What holds a body, and where: the data behind ContactProblem.Pin and SetDirichlet.
 
@@ -65,7 +82,7 @@ class Supports:
     pins
         Unknown → (vertex, component, value).
     functions
-        What SetDirichlet was given, (value, region) in its order; a file does not hold it.
+        What SetDirichlet was given, GivenDisplacements in its order; a file does not hold it.
     points
         Of pins, those that other processes hold among them.
     """
@@ -80,7 +97,7 @@ class Supports:
             if V.HeldRegions(k)[region]
         }
         self.sides, self.pins, self.points = dict(self._declared), {}, []
-        self.functions: list[tuple[Any, str]] = []
+        self.functions: list[GivenDisplacement] = []
 
     def __reduce__(self) -> Any:
         numbers = numbers_of(self.V, *(side.dofs for side in self.sides.values()))
@@ -135,11 +152,13 @@ class Supports:
         """See ContactProblem.SetDirichlet."""
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
-        function = value, region
+        given = value
         value, components = given_components(value, self.dimension)
         regions = np.flatnonzero(list(self.V.mesh.Boundaries(region).Mask())).tolist()
         self._check_declared(region, regions, components)
-        values, short = projected_trace(self.V, value, region)
+        weight = mouth_weight(self.V.body)
+        function = GivenDisplacement(given, region, moments_form(self.V, value, region, weight))
+        values, short = projected_trace(self.V, function.moments, region, weight)
         sides = {}
         for number in regions:
             samples = self.samples.Values(value, number)
@@ -150,8 +169,14 @@ class Supports:
         self._check_pins(self.pins, sides)
         kept = {key: side for key, side in self.sides.items() if key[0] not in regions}
         self.sides = kept | sides  # where regions meet the last one counts
-        self.functions = [given for given in self.functions if given[1] != region] + [function]
+        self.functions = [other for other in self.functions if other.region != region] + [function]
         self._apply()
+
+    def Update(self) -> None:
+        """Projects again what SetDirichlet was given where its coefficients, a Parameter or a GridFunction, have changed since."""
+        if any(function.HasChanged() for function in self.functions):
+            for function in tuple(self.functions):
+                self.SetDirichlet(function.value, function.region)
 
     def _check_declared(self, region: str, regions: list[int], components: Any) -> None:
         for k in components:
@@ -302,24 +327,19 @@ def given_components(value: Any, dimension: int) -> tuple[CoefficientFunction, l
     return check_function(value, "SetDirichlet: value", dimension), components
 
 
-def projected_trace(V: CrackFESpace, value: Any, region: Any) -> tuple[np.ndarray, np.ndarray]:
-    """(values, short): the weighted L² projection of a value's trace, for all unknowns, zero at those of short traces, which it leaves out.
+def moments_form(V: CrackFESpace, value: CoefficientFunction, region: str, weight: CoefficientFunction) -> LinearForm:
+    """∫ weight value·v over a boundary region."""
+    zero = CoefficientFunction((Parameter(0),) * V.mesh.dim)  # NGSolve drops a term with a value that is zero, and refuses the form that is left
+    return LinearForm(weight * (value + zero) * V.TestFunction() * V.body.ds(region, bonus_intorder=PROJECTION_BONUS))
+
+
+def projected_trace(V: CrackFESpace, load: np.ndarray, region: str, weight: CoefficientFunction) -> tuple[np.ndarray, np.ndarray]:
+    """(values, short): the weighted L² projection of the trace with these moments, for all unknowns, zero at those of short traces, which it leaves out.
 
     A trace of V's polynomials has no jumps beside it: only what these leave of the value is for the Heaviside functions. Between two mouths in one edge their traces
     may be nearly dependent; what these cannot tell apart has no jump, either: DEPENDENT of their own mass is added to their diagonal.
     """
-    weight, short = mouth_weight(V.body), short_traces(V, region)
-    mass = boundary_mass(V, region, weight)
-    zero, components = Parameter(0), V.mesh.dim  # NGSolve drops a term with a value that is zero, and refuses the form that is left
-    v = V.TestFunction()
-    load = (
-        LinearForm(weight * (value + CoefficientFunction((zero,) * components)) * v * V.body.ds(region, bonus_intorder=PROJECTION_BONUS))
-        .Assemble()
-        .vec.FV()
-        .NumPy()
-    )
-    if not np.isfinite(load).all():
-        raise ValueError(f"SetDirichlet: the value is not finite (NaN or inf) somewhere on {region!r}")
+    mass, short = boundary_mass(V, region, weight), short_traces(V, region)
     diagonal = mass.diagonal()
     dofs = np.setdiff1d(np.flatnonzero(diagonal), short)
     scale = 1 / np.sqrt(diagonal[dofs])

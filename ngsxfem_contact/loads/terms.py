@@ -7,12 +7,12 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp
+from ngsolve import BND, CF, L2, CoefficientFunction, GridFunction, IfPos, comp, specialcf
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import mask
 from ..operators import on_crack
-from ..points import boundary_points, element_regions, mesh_points, points_of_crack
+from ..points import boundary_points, element_regions, mesh_points, points_into, points_of_crack
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -62,11 +62,26 @@ def check_term(term: FormTerm, V: CrackFESpace, name: str) -> None:
         raise ValueError(f"{name}: the rules of NGSolve's own {measure} do not see the cracks; write body.{measure}, body the problem's CrackedMesh")
     if term.body is not V.body:
         raise ValueError(f"{name}: the measure belongs to another CrackedMesh than the problem's V")
+    if term.integrand.dim != 1:
+        raise ValueError(f"{name}: an integrand has {term.integrand.dim} components; write vector*v, such as CF((0, -1))*v, or a component, v[1]")
     place = place_of(term)
     if term.element_normal and place != "boundary":
         raise ValueError(f"{name}: NGSolve's normal vector is zero away from the boundary; on a crack write body.normal")
     for proxy in (*term.test, *term.trial):
         check_function_of_form(proxy, V, place, name)
+
+
+def check_normal(term: FormTerm, name: str) -> None:
+    """Raises ValueError for a load in NGSolve's normal vector on a part of the boundary where it points into the body."""
+    if term.element_normal:
+        mesh = term.body.mesh
+        wrong = elements_of(term) & points_into(mesh, specialcf.normal(mesh.dim))
+        if wrong.any():
+            where = sorted({element.mat for element, into in zip(mesh.Elements(BND), wrong) if into})
+            raise ValueError(
+                f"{name}: NGSolve's normal points into the body on {', '.join(map(repr, where))}, where the elements of the boundary run the other way round; "
+                "take problem.Pressure, or OutwardNormal(mesh) of ngsxfem_contact.operators in its place"
+            )
 
 
 def check_function_of_form(proxy: CoefficientFunction, V: CrackFESpace, place: str, name: str) -> None:

@@ -3,12 +3,13 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from helpers import rectangle, structured
 from ngsolve import CF, Integrate
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
-from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 
 pytestmark = pytest.mark.filterwarnings("ignore::ngsxfem_contact.AccuracyWarning")  # coarse on purpose
 
@@ -238,3 +239,18 @@ def test_a_mesh_refined_after_it_was_cracked():
     with refused("refine|changed"):
         V.Update()
         CrackFESpace(body, order=1)
+
+
+def test_what_a_solution_says_on_a_mesh_that_was_refined_since():
+    """NGSolve's functions are zero on the finer mesh."""
+    mesh = rectangle(0.4)
+    body = CrackedMesh(mesh, Crack([(0, 0.51), (0.6, 0.53)]))
+    V = CrackFESpace(body, order=1, tip=None, dirichlet="bottom")
+    problem = ContactProblem(V, TraceSpace(body), Elasticity.PlaneStrain(E=1, nu=0.3))
+    problem.f += CF((0, 1)) * V.TestFunction() * body.ds("top")
+    solution = problem.Solve()
+    assert np.allclose(solution.Reaction("bottom"), (0, -1))
+    mesh.Refine()
+    for ask in (lambda: solution.u, solution.Reactions, lambda: solution.Reaction("bottom"), solution.Energy, lambda: solution.stress):
+        with refused("it was refined"):
+            ask()

@@ -13,6 +13,7 @@ from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFE
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import InteractionIntegral
+from ngsxfem_contact.fracture.stress_intensity import StressIntensityFactors
 from ngsxfem_contact.fracture.tip_fields import TipFrame
 from study.paper import FRICTION_REFERENCE, MATERIAL, PAIRS, REFERENCE, add_loads, paper_problem, unstructured_mesh
 
@@ -299,3 +300,8 @@ def test_load_steps_have_their_own_load():
     problem.f += CF((0, 100 * y)) * problem.V.TestFunction() * problem.body.dx
     half = steps.Solve(0.5).StressIntensity()
     assert half.K_I == pytest.approx(0.5 * whole.K_I, rel=1e-9)
+
+
+def test_factors_are_a_sequence():
+    factors = StressIntensityFactors(2.0, -1.0)
+    assert len(factors) == 2 and factors[0] == 2 and factors[-1] == -1 and np.array_equal(2 * np.array(factors), [4, -2])

@@ -9,7 +9,7 @@ import pytest
 from helpers import pull, rectangle
 from ngsolve import CF, x
 
-from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, CrackGrowth, TipEnrichment, TraceSpace
+from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, TipEnrichment, TraceSpace
 from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.exact import fracture_solutions as fs
 from ngsxfem_contact.fracture import GivenIncrement, MaximumHoopStress, Paris, WingCracks
@@ -311,3 +311,28 @@ def test_table_and_animation(tmp_path):
         first = np.array(animation.convert("RGB"), dtype=int)
         animation.seek(1)
         assert np.abs(first - np.array(animation.convert("RGB"), dtype=int)).max() > 50
+
+
+@pytest.mark.parametrize("law", [None, Coulomb(0.3)])
+def test_what_is_cut_off_and_pulled_away_ends_the_growth(law):
+    """The faces are no straight line, so that contact feels all motions of the upper part; tension pulls it off. Two cracks meet in the middle, or one goes through."""
+
+    def under_tension(cracks):
+        body = CrackedMesh(mesh(), *cracks)
+        V = CrackFESpace(body, order=1, material=MATERIAL, dirichlet="bottom")
+        problem = ContactProblem(V, TraceSpace(body, order=1), law=law)
+        problem.f += CF((0, 1)) * V.TestFunction() * body.ds("top")
+        return problem
+
+    growth = CrackGrowth(under_tension, [Crack([(0, 0.05), (0.6, -0.1)])], GivenIncrement(0.25))
+    table = growth.Run(6)
+    assert table["state"][-1].startswith("has cut the body: it reached the boundary at (1, ")
+    assert table["state"][-1].endswith("; the faces do not hold what is cut off") and np.isnan(table["K_I"][-1])
+    assert len(growth.solutions) == len(table) - 1
+
+
+def test_a_problem_with_other_cracks_than_those_that_it_was_given():
+    with pytest.raises(ValueError, match=r"make_problem returned a body with a tip at \(0.3, 0.0\).*build the body of its argument"):
+        CrackGrowth(lambda cracks: pulled(EDGE), EDGE, GivenIncrement(0.15)).Run(2)
+    with pytest.raises(ValueError, match=r"a body with 0 crack\(s\), it was given 1"):
+        CrackGrowth(lambda cracks: pulled([]), EDGE, GivenIncrement(0.15)).Run(2)

@@ -5,7 +5,7 @@ import pytest
 from helpers import array, rectangle, structured
 from netgen.meshing import Element1D, Element2D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import BND, CF, IfPos, Integrate, Mesh, VectorH1, sqrt, x, y
+from ngsolve import BND, CF, GridFunction, IfPos, Integrate, Mesh, Parameter, VectorH1, sqrt, x, y
 
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, TipEnrichment, TraceSpace
 from ngsxfem_contact.contact import BarbosaHughes, ContactProblem, Coulomb, LoadCase, LoadSteps, Nitsche
@@ -322,3 +322,44 @@ def test_zero_said_twice_is_said_once(d):
             p.SetDirichlet((0, 0), "bottom")
         energies.append(p.Solve().Energy())
     assert energies[1] == pytest.approx(energies[0], rel=1e-12)
+
+
+def stretched(t, order=1):
+    p = problem(order=order, mesh=MESH, dirichlet="bottom|top")
+    p.SetDirichlet((0, t * 0.1 * (1 + x)), "top")
+    return p
+
+
+def test_a_parameter_in_what_is_given_has_the_value_of_the_solve():
+    t = Parameter(1)
+    p = stretched(t)
+    first = p.Solve()
+    t.Set(-2)
+    second = p.Solve()
+    assert np.allclose(array(second.u.vec), array(stretched(-2.0).Solve().u.vec), atol=1e-12)
+    assert np.allclose(array(first.u.vec), array(stretched(1.0).Solve().u.vec), atol=1e-12)
+    case = LoadCase(p)
+    t.Set(1)
+    steps = LoadSteps(p, [LoadCase(p), case])
+    assert np.allclose(array(steps.Solve(1, 0).u.vec), array(first.u.vec), atol=1e-12)
+    assert np.allclose(array(steps.Solve(0, 1).u.vec), array(second.u.vec), atol=1e-12)
+
+
+def test_a_gridfunction_in_what_is_given_has_the_values_of_the_solve():
+    t = GridFunction(VectorH1(MESH, order=1))
+    p = problem(mesh=MESH, dirichlet="bottom|top")
+    t.Set(CF((0, 0.1)))
+    p.SetDirichlet(t, "top")
+    first = p.Solve().Reaction("top")
+    t.vec[:] *= 3
+    assert np.allclose(p.Solve().Reaction("top"), 3 * first)
+
+
+def test_the_error_of_a_solution_whose_parameter_has_changed():
+    """It is that of the displacement which was solved for: the factor between them is seen."""
+    t = Parameter(1)
+    p = stretched(t, order=2)
+    solution = p.Solve()
+    before = solution.ErrorEstimate().energy
+    t.Set(3)
+    assert solution.ErrorEstimate().energy == pytest.approx(before, rel=1e-9)
