@@ -7,13 +7,14 @@ import importlib.util
 import io
 import logging
 import sys
+import warnings
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ngsolve import TaskManager, ngsglobals
 
-from .errors import SolveError
+from .errors import AccuracyWarning, SolveError
 from .files import UnreadableFile
 from .job.part import EXAMPLE, read_part
 from .job.results import numbers_of, summary, write_results
@@ -55,14 +56,14 @@ def can_draw() -> bool:
 def run(options: argparse.Namespace) -> None:
     """Solves, writes, and says so."""
     logger.info("reading %s", options.file)
-    with TaskManager():
+    with TaskManager(), warnings_said() as said:
         part = read_part(options.file, options.maxh)
         folder = options.output or Path(part.output.get("folder", "."))
         if folder.exists() and not folder.is_dir():
             raise NotADirectoryError(f"{folder} is a file; give a folder for the results")
         logger.info("solving for %d + %d unknowns", part.problem.V.ndof, part.problem.W.ndof)
         solutions = part.Solve()
-        numbers = numbers_of(part, solutions)
+        numbers = numbers_of(part, solutions) | {"warnings": said}
         text = summary(numbers, solutions)
         print("\n" + text)
         draws = not options.no_figures and part.output.get("pictures", True) and can_draw()
@@ -91,6 +92,24 @@ def shown(name: str) -> Iterator[None]:
     finally:
         source.removeHandler(handler)
         source.setLevel(level)
+
+
+@contextmanager
+def warnings_said() -> Iterator[list[str]]:
+    """Says the AccuracyWarnings of the block, each once, as lines without the code that they came from; the list of them, as far as it got."""
+    said: list[str] = []
+
+    def say(message: Warning | str, category: type[Warning], *where: Any, **options: Any) -> None:
+        if not issubclass(category, AccuracyWarning):
+            otherwise(message, category, *where, **options)
+        elif str(message) not in said:
+            said.append(str(message))
+            print(f"warning: {message}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        otherwise = warnings.showwarning
+        warnings.showwarning = say
+        yield said
 
 
 def say_what_can_be_said() -> None:

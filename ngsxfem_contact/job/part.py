@@ -89,6 +89,10 @@ def read_part(path: str | Path, maxh: float | None = None) -> Part:
     solve = one["solve"].Take({"factors": array(number, "a list of numbers"), "inverse": text})
     output, reference = output_of(one["output"]), reference_of(one["reference"])
     problem = problem_of(one, many, values)
+    for key, things in (("contact_force", "cracks"), ("transitions", "cracks"), ("K", "tips")):
+        known, there = len(reference.get(key, [])), len(getattr(problem.body, things))
+        if known > there:
+            one["reference"].Refuse(f"it has {known} entries, one for each of the {things}, of which there are {there}", key)
     return Part(path, values.get("title", path.stem), problem, solve.get("factors"), solve.get("inverse"), output, reference)
 
 
@@ -96,7 +100,9 @@ def read_toml(path: Path) -> dict[str, Any]:
     """The file as a dictionary."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise RefusedPart(f"{path} is no TOML file, whose text is in UTF-8: {error}; save it as UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
         raise RefusedPart(f"{path} is no TOML file: {error}") from None
 
 

@@ -81,6 +81,8 @@ def summary(numbers: dict[str, Any], solutions: list[ContactSolution]) -> str:
             lines += ["", f"Loads × {step['factor']:g}"]
         reference = numbers["reference"] if step is numbers["steps"][-1] else {}
         lines += [*table(step, reference), "", str(solution.Reactions()), "", str(solution.report)]
+    if numbers.get("warnings"):
+        lines += ["", *(f"warning: {warning}" for warning in numbers["warnings"])]
     return "\n".join(lines) + "\n"
 
 

@@ -261,7 +261,7 @@ class FreeMotions:
         if len(hinges):
             vertices = ", ".join(map(in_words, hinges))
             name = f"the part of the body around {centre}, which hangs on others by {'the vertex' if len(hinges) == 1 else 'the vertices'} {vertices} alone,"
-        return f"{number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a"
+        return f"{number} rigid motion(s) of {name} are left free: fix them by dirichlet=... in the space or by Pin(...), or by springs in problem.a ([[support]] in a part's file)"
 
 
 def in_words(point: np.ndarray) -> str:

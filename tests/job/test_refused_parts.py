@@ -154,6 +154,8 @@ REPLACED = [
     ("[[load]]", "[output]\npoints = 1\n[[load]]", r": \[output\], points: 1 must lie between 2 and 1000000"),
     ("[[load]]", "[output]\nvtk = 'no'\n[[load]]", r": \[output\], vtk: 'no' must be true or false"),
     ("[[load]]", "[reference]\nK = [1, 2]\n[[load]]", r": \[reference\], K: \[1, 2\] must be a list of lists of numbers"),
+    ("[[load]]", "[reference]\nK = [[1, 2], [3, 4]]\n[[load]]", r": \[reference\], K: it has 2 entries, one for each of the tips, of which there are 1"),
+    ("[[load]]", "[reference]\ncontact_force = [1, 2]\n[[load]]", r": \[reference\], contact_force: it has 2 entries, one for each of the cracks"),
     ("[[load]]", "[reference]\nforce = 1\n[[load]]", r": \[reference\], force: there is no such key; allowed are from, energy"),
 ]  # fmt: skip
 

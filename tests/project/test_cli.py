@@ -280,3 +280,14 @@ def test_a_terminal_without_greek_letters(tmp_path):
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, encoding="ascii")
     assert done.returncode == 0 and "Traceback" not in done.stderr and "contact force ??" in done.stdout
     assert "contact force ∫λ" in (tmp_path / "summary.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.filterwarnings("always::ngsxfem_contact.errors.AccuracyWarning")
+def test_warnings_are_said_once_without_code_and_are_among_the_results(tmp_path, capsys):
+    """The crack of the paper's test has not two of such elements."""
+    assert cli.main([*COARSE, "--no-figures", "--output", str(tmp_path)]) == 0
+    errors = capsys.readouterr().err
+    (warning,) = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))["warnings"]
+    assert warning.startswith("crack 0 at (0.25, 0) is 0.5 long") and "refine to h <=" in warning
+    assert errors == f"warning: {warning}\n"
+    assert (tmp_path / "summary.txt").read_text(encoding="utf-8").endswith(f"\nwarning: {warning}\n")
