@@ -29,6 +29,7 @@ highlight_language = "text"  # tables and commands are not Python
 myst_enable_extensions = ["dollarmath", "amsmath"]
 myst_heading_anchors = 3
 nb_execution_mode = "off"  # tools/notebooks.py executed them
+nb_ipywidgets_js = {}  # scenes are frames of their own, which need no network
 nb_mime_priority_overrides = [("html", "application/vnd.jupyter.widget-view+json", None)]
 suppress_warnings = ["mystnb.unknown_mime_type"]
 

@@ -6,6 +6,7 @@ import os
 import resource
 import subprocess
 import sys
+import warnings
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import matplotlib.figure
 import pytest
 
 from ngsxfem_contact import __main__ as cli
+from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.files import write_whole
 from ngsxfem_contact.job.part import EXAMPLE, read_part
 from study.paper import REFERENCE
@@ -282,10 +284,11 @@ def test_a_terminal_without_greek_letters(tmp_path):
     assert "contact force ∫λ" in (tmp_path / "summary.txt").read_text(encoding="utf-8")
 
 
-@pytest.mark.filterwarnings("always::ngsxfem_contact.errors.AccuracyWarning")
 def test_warnings_are_said_once_without_code_and_are_among_the_results(tmp_path, capsys):
     """The crack of the paper's test has not two of such elements."""
-    assert cli.main([*COARSE, "--no-figures", "--output", str(tmp_path)]) == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("default", AccuracyWarning)
+        assert cli.main([*COARSE, "--no-figures", "--output", str(tmp_path)]) == 0
     errors = capsys.readouterr().err
     (warning,) = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))["warnings"]
     assert warning.startswith("crack 0 at (0.25, 0) is 0.5 long") and "refine to h <=" in warning
