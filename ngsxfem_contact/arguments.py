@@ -67,6 +67,12 @@ def check_type(value: Any, types: Any, name: str, must: str) -> None:
         raise TypeError(f"{name}={repr(value).partition(chr(10))[0]} is not {must}")
 
 
+def check_has(value: Any, member: str, name: str, must: str) -> None:
+    """Raises TypeError unless value has a member, which tells objects of layers above; must: what it has to be, in words."""
+    if not hasattr(value, member):
+        raise TypeError(f"{name}={repr(value).partition(chr(10))[0]} is not {must}")
+
+
 def is_function(value: Any) -> bool:
     """Whether NGSolve takes a value for a real CoefficientFunction; it does not survive None."""
     if isinstance(value, (tuple, list, np.ndarray)):

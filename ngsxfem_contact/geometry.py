@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from ngsolve import BND, CF, Integrate, ds, dx
+
 from . import _ngsxfem_contact as core
 from . import curves  # noqa: F401  gives Crack its curves
 from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, Sheet, Side
@@ -33,7 +36,7 @@ class CrackedMesh(core.CrackedMesh):
     Raises
     ------
     Exception
-        For two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch
+        For a mesh that was refined after it was curved, two cracks of one name, a crack that leaves the body on its way, runs along its boundary or ends beside it, and for cracks that share a stretch
         or touch without crossing.
     NotImplementedError
         Under mpirun with several processes for a mesh that they do not share, see `processes.DistributedMesh`.
@@ -51,11 +54,29 @@ class CrackedMesh(core.CrackedMesh):
 
     def __init__(self, mesh: Mesh, *cracks: Any) -> None:
         self.share = share_of(mesh, cracks)
+        check_curved(self.share.mesh)
         super().__init__(self.share.mesh, *cracks, is_part=self.share.several)
 
     def __setstate__(self, state: Any) -> None:
         super().__setstate__(state)  # type: ignore[misc]
         self.share = share_of(self.mesh, self.cracks)
+
+
+def check_curved(mesh: Mesh) -> None:
+    """Raises ValueError for a plane mesh that was refined after it was curved: NGSolve leaves its triangles straight and its boundary curved."""
+    if mesh.dim != 2 or mesh.levels == 1 or mesh.GetCurveOrder() == 1:
+        return
+    corners = np.array(mesh.ngmesh.Coordinates())[:, :2]
+    a, b, c = (corners[[element.vertices[k].nr for element in mesh.Elements()]] for k in range(3))
+    (x1, y1), (x2, y2) = (b - a).T, (c - a).T
+    edges = corners[[[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)]]
+    chords = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
+    areas = np.array(Integrate(CF(1) * dx, mesh, element_wise=True))
+    if Integrate(CF(1) * ds, mesh) > (1 + 1e-12) * chords.sum() and np.allclose(areas, 0.5 * np.abs(x1 * y2 - x2 * y1), rtol=1e-10, atol=0):
+        raise ValueError(
+            f"CrackedMesh: the mesh was refined after mesh.Curve({mesh.GetCurveOrder()}), which leaves its triangles straight and its boundary curved; "
+            f"call mesh.Curve({mesh.GetCurveOrder()}) again"
+        )
 
 
 def described(body: CrackedMesh) -> str:

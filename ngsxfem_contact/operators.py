@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ngsolve import CF, Cross, Grad, GridFunction, IfPos, InnerProduct, Norm, SurfaceL2, Sym, specialcf
+from ngsolve import BND, CF, Cross, FacetFESpace, Grad, GridFunction, IfPos, InnerProduct, Norm, Sym, specialcf
 
 from ._ngsxfem_contact import Variation
 from .points import points_into
@@ -131,8 +131,9 @@ def OutwardNormal(mesh: Mesh) -> CoefficientFunction:
     """
     J = specialcf.JacobianMatrix(mesh.dim, mesh.dim - 1)
     across = CF((J[1], -J[0])) if mesh.dim == 2 else Cross(*(CF(tuple(J[i, k] for i in range(3))) for k in range(2)))
-    side = GridFunction(SurfaceL2(mesh, order=0))
-    side.vec.FV().NumPy()[:] = 1 - 2 * points_into(mesh, across)
+    side = GridFunction(FacetFESpace(mesh, order=0))  # which a file of a refined mesh can hold, unlike functions that live on the boundary alone
+    for element, into in zip(mesh.Elements(BND), points_into(mesh, across)):
+        side.vec[side.space.GetDofNrs(element)[0]] = -1 if into else 1
     return side / Norm(across) * across
 
 

@@ -5,6 +5,7 @@ NGSolve pickles a function node by node, so that the nodes named here are saved 
 - trial and test functions, which NGSolve does not save: of a space, with the name of an operator;
 - operators of GridFunctions, such as Grad(u) and Jump(u), which NGSolve reads back as others: asked again of the GridFunction;
 - GridFunctions, whose coefficients NGSolve numbers in another way after a refined mesh was read: they are saved in the order of `numbering`;
+- meshes that were refined and then curved, which NGSolve reads back straight;
 - the normal and tangential vectors, the mesh size and the Jacobian matrices on boundaries of `specialcf`.
 """
 
@@ -15,7 +16,7 @@ import pickle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CoefficientFunction, GridFunction, comp, specialcf
+from ngsolve import CoefficientFunction, GridFunction, Mesh, comp, specialcf
 from ngsolve.fem import PointEvaluationFunctional
 
 from . import _ngsxfem_contact as core
@@ -62,6 +63,22 @@ def unpacked(space: FESpace, values: np.ndarray) -> np.ndarray:
     array = np.zeros(space.ndof)
     array[order] = values
     return array
+
+
+def curved_mesh(state: Any, order: int) -> Mesh:
+    """The mesh of NGSolve's state, curved again."""
+    mesh = Mesh.__new__(Mesh)
+    mesh.__setstate__(state)
+    mesh.Curve(order)
+    return mesh
+
+
+def reduce_mesh(mesh: Mesh) -> Any:
+    """NGSolve's own way; of a refined plane mesh with the order of its curved elements."""
+    create, arguments, state, *_ = mesh.__reduce_ex__(2)
+    if mesh.dim != 2 or mesh.levels == 1 or mesh.GetCurveOrder() == 1:
+        return create, arguments, state
+    return curved_mesh, (state, mesh.GetCurveOrder())
 
 
 def gridfunction_of(space: FESpace, name: str, values: np.ndarray) -> GridFunction:
@@ -146,6 +163,7 @@ def reduce_functional(functional: PointEvaluationFunctional) -> Any:
 
 
 copyreg.pickle(CoefficientFunction, reduce_function)
+copyreg.pickle(Mesh, reduce_mesh)
 for kind in (GridFunction, comp.GridFunctionD, comp.GridFunctionC, comp.ComponentGridFunction):  # D and C: out of functions that they are part of
     copyreg.pickle(kind, reduce_gridfunction)
 copyreg.pickle(comp.GridFunctionCoefficientFunction, reduce_operator)

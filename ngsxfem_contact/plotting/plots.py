@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from ngsolve import CF, VTKOutput
 
-from ..arguments import check_number, check_positive
+from ..arguments import check_function, check_has, check_number, check_positive
 from ..files import write_whole
 from ..operators import Minus, Plus
 from ..points import mesh_arrays
@@ -133,6 +133,9 @@ def plot_body(
     -----
     The colours leave out the least and the largest 2 % of the values. In space u is drawn as linear between points.
     """
+    check_has(solution, "problem", "plot_body: solution", "a solution of ContactProblem.Solve()")
+    if field is not None:
+        field = check_function(field, "plot_body: field, such as solution.stress[1, 1],", 1)
     return body_plot(solution.body, solution, ax, scale, field, label, cut)
 
 
@@ -188,6 +191,7 @@ def plot_profile(solution: ContactSolution, crack: int | str = 0, ax: Any = None
     for quantity in quantities:
         if quantity not in PROFILES:
             raise ValueError(f"plot_profile: quantities={quantities!r}: {quantity!r} is not one of {list(PROFILES)}")
+    check_has(solution, "Profile", "plot_profile: solution", "a solution of ContactProblem.Solve()")
     return profile_plot(getattr(solution, "body", None), solution, crack, ax, quantities)
 
 
@@ -223,6 +227,7 @@ def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
     ax : Axes
         Of matplotlib; default new ones. In space one for each sheet.
     """
+    check_has(V, "body", "plot_mesh: V", "a CrackFESpace")
     V.share.Refuse("A picture of the mesh")
     return mesh_plot(V.body, V, ax)
 

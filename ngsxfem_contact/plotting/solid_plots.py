@@ -128,8 +128,6 @@ def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float 
     split, scale = picture.split, visible_scale(picture.split, picture.u, scale)
     plane = usual_cut(split) if cut is None else None if cut is False else checked_plane(cut)
     values = split.EvaluateInside(solution.VonMises() if field is None else CF(field))
-    if values.shape[-1] != 1:
-        raise ValueError("plot_body: field must be a scalar, such as solution.stress[2, 2]")
     ax = ax or pyplot().figure(figsize=(7.5, 5.6), layout="constrained").add_subplot(projection="3d")
     ax.view_init(*view_of(plane))
     towards = direction(*view_of(plane))

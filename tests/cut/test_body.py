@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from helpers import matrix, random_function, rectangle
+from netgen.geom2d import SplineGeometry
 from netgen.meshing import Element1D, Element2D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, BilinearForm, Grad, GridFunction, InnerProduct, Integrate, LinearForm, Mesh, VectorH1, ds, sqrt, x, y
@@ -185,3 +186,23 @@ def test_a_moved_mesh_is_refused_and_fine_again_without_its_deformation():
         CrackedMesh(mesh, Crack([(0, 0.4), TIP]))
     mesh.UnsetDeformation()
     assert Integrate(1 * body.dcrack, mesh) == before
+
+
+def curved_square(*steps):
+    """A square with a round hole; "refine", or the order of curved elements, one after the other."""
+    geometry = SplineGeometry()
+    geometry.AddRectangle((-1, -1), (1, 1), bcs=["bottom", "right", "top", "left"])
+    geometry.AddCircle((0, 0), 0.3, leftdomain=0, rightdomain=1, bc="hole")
+    mesh = Mesh(geometry.GenerateMesh(maxh=0.4))
+    for step in steps:
+        mesh.Refine() if step == "refine" else mesh.Curve(step)
+    return mesh
+
+
+def test_a_mesh_that_was_refined_after_it_was_curved():
+    """NGSolve: the area is that of a polygon, the boundary round; curved again, both are round."""
+    crack = Crack([(0.2, 0), (0.7, 0)])
+    with pytest.raises(ValueError, match=r"refined after mesh.Curve\(2\), which leaves its triangles straight.*call mesh.Curve\(2\) again"):
+        CrackedMesh(curved_square(2, "refine"), crack)
+    for steps in ((2, "refine", 2), ("refine", 3), ("refine",), (3,), (2, "refine", 1)):
+        CrackedMesh(curved_square(*steps), crack)

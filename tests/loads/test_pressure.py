@@ -94,6 +94,23 @@ def test_a_ring_under_pressure_inside_and_outside(tmp_path):
     assert ContactSolution.Load(tmp_path / "ring.solution").problem.Solve().ContactForce() == pytest.approx(force, rel=1e-12)
 
 
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_pressure_on_a_refined_mesh_is_saved(tmp_path, order):
+    """NGSolve reads what was refined and then curved back straight: 0.1 % of the area here."""
+    mesh = with_spline_hole(0.4)
+    mesh.Refine()
+    mesh.Curve(order)
+    body = CrackedMesh(mesh, Crack([(0, 0.5), (0.2, 0.5)]))
+    V = CrackFESpace(body, order=1, material=STEEL, dirichlet="outer")
+    problem = ContactProblem(V, TraceSpace(body))
+    problem.Pressure(1 + x, "hole")
+    solution = problem.Solve()
+    solution.Save(tmp_path / "plate.solution")
+    again = ContactSolution.Load(tmp_path / "plate.solution").problem.Solve()
+    assert Integrate(CF(1) * dx, again.body.mesh) == pytest.approx(Integrate(CF(1) * dx, mesh), rel=1e-14)
+    assert again.Energy() == pytest.approx(solution.Energy(), rel=1e-12) and solution.Energy() > 0
+
+
 def test_a_ring_in_one_file(tmp_path):
     geometry = occ.OCCGeometry(occ.Circle((0, 0), 2).Face() - occ.Circle((0, 0), 1).Face(), dim=2)
     mesh = geometry.GenerateMesh(maxh=0.3)

@@ -247,3 +247,15 @@ def test_picture_shows_the_opening(solution, pyplot):
     assert not background(ax, *np.concatenate([plus + (0, 0.05), minus - (0, 0.05)]).T).any()
     ahead = np.linspace(-0.1, 0.15, 200)
     assert not background(ax, 0 * ahead + 0.7, ahead).any()
+
+
+@pytest.mark.parametrize("call, kind, message", [
+    (lambda s: plotting.plot_body(s, field=s.stress), ValueError, r"plot_body: field, such as solution.stress\[1, 1\], has 4 component\(s\), it must be a scalar"),
+    (lambda s: plotting.plot_body(s, field="s_xx"), TypeError, "plot_body: field, .*='s_xx' is neither a number nor a CoefficientFunction"),
+    (lambda s: plotting.plot_body(s.u), TypeError, "plot_body: solution=.* is not a solution of ContactProblem.Solve"),
+    (lambda s: plotting.plot_profile(s.body), TypeError, "plot_profile: solution=.* is not a solution"),
+    (lambda s: plotting.plot_mesh(s.body), TypeError, "plot_mesh: V=CrackedMesh is not a CrackFESpace"),
+])  # fmt: skip
+def test_what_cannot_be_drawn(solution, call, kind, message):
+    with pytest.raises(kind, match=message):
+        call(solution)
