@@ -311,6 +311,8 @@ class CrackGrowth:
             )
         return "\n".join(lines)
 
+    __repr__ = __str__
+
     def SaveTable(self, path: str | Path) -> Path:
         """Writes the table as CSV; returns the path. The file appears when it is complete.
 

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
-from ngsolve import BND
+from ngsolve import BND, CF, x, y
 
 from .._ngsxfem_contact import Crack
 from ..arguments import check_positive, check_type
 from ..errors import warn
-from ..points import mesh_arrays, mesh_points, place
+from ..operators import OutwardNormal
+from ..points import boundary_points, mesh_arrays, mesh_points, place
 from ..share import share_in
 from ..spaces.resolution import element_sizes
 
@@ -194,7 +195,7 @@ class StressInitiation:
     def _on_boundary(self, body: CrackedMesh, samples: StressSamples) -> NewCrack | None:
         if self.boundary is None:
             return None
-        points, inward, names = boundary_points(body.mesh, self.boundary, 0.25 * self.radius)
+        points, inward, names = points_along(body.mesh, self.boundary, 0.25 * self.radius)
         reach = samples.Reach(points, self.radius, self.strength)
         points, inward, names = points[reach], inward[reach], names[reach]
         stresses, directions = principal(samples.Means(points, self.radius))
@@ -232,25 +233,18 @@ class StressInitiation:
 
     def _inland(self, body: CrackedMesh, points: np.ndarray) -> np.ndarray:
         """Those farther than the length from ∂Ω."""
-        outer, _, _ = boundary_points(body.mesh, ".*", 0.25 * self.length)
+        outer, _, _ = points_along(body.mesh, ".*", 0.25 * self.length)
         return scipy.spatial.cKDTree(outer).query(points)[0] > self.length if len(points) else np.zeros(0, dtype=bool)
 
 
-def boundary_points(mesh: Mesh, pattern: str, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points along the straight sides of ∂Ω on some boundaries, not farther apart than a spacing: (n, 2), the unit normals into the body, the names of the boundaries."""
-    mask, names = list(mesh.Boundaries(pattern).Mask()), mesh.GetBoundaries()
-    points, inward, found = [], [], []
-    for element in mesh.Elements(BND):
-        beside = mesh[element.edges[0]].elements
-        if len(beside) > 1 or not mask[element.index]:
-            continue
-        a, b = (np.array(mesh[v].point) for v in element.vertices)
-        n = int(np.ceil(np.linalg.norm(b - a) / spacing))
-        normal = np.array([a[1] - b[1], b[0] - a[0]]) / np.linalg.norm(b - a)
-        centre = np.mean([mesh[v].point for v in mesh[beside[0]].vertices], axis=0)
-        points.append(a + (np.arange(n)[:, None] + 0.5) / n * (b - a))
-        inward += n * [normal if (centre - a) @ normal > 0 else -normal]
-        found += n * [names[element.index]]
-    if not points:
-        raise ValueError(f"StressInitiation: boundary={pattern!r} matches no boundary; the mesh has {sorted(set(names))}")
-    return np.concatenate(points), np.array(inward), np.array(found)
+def points_along(mesh: Mesh, pattern: str, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points of ∂Ω on some boundaries, about a spacing apart: (n, 2), the unit normals into the body, the names of the boundaries."""
+    mask = list(mesh.Boundaries(pattern).Mask())
+    elements = [element for element in mesh.Elements(BND) if mask[element.index] and len(mesh[element.edges[0]].elements) == 1]
+    if not elements:
+        raise ValueError(f"StressInitiation: boundary={pattern!r} matches no boundary; the mesh has {sorted(set(mesh.GetBoundaries()))}")
+    lengths = [np.linalg.norm(np.subtract(*(mesh[v].point for v in element.vertices))) for element in elements]
+    counts = np.ceil(np.array(lengths) / spacing).astype(int)
+    part = np.concatenate([(np.arange(n) + 0.5) / n for n in counts])
+    points = boundary_points(mesh, np.repeat([element.nr for element in elements], counts), part)
+    return CF((x, y))(points), -OutwardNormal(mesh)(points), np.repeat([element.mat for element in elements], counts)

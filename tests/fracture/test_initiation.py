@@ -26,12 +26,14 @@ SIDES = "left|right|top|bottom"
 
 
 @cache
-def plate(maxh):
-    """A hole in the middle of a square."""
+def plate(maxh, order=1):
+    """A hole in the middle of a square; order of the elements at its rim."""
     geometry = SplineGeometry()
     geometry.AddRectangle((-0.5, -0.5), (0.5, 0.5), bcs=["bottom", "right", "top", "left"])
     geometry.AddCircle((0, 0), RADIUS, leftdomain=0, rightdomain=1, bc="hole")
-    return Mesh(geometry.GenerateMesh(maxh=maxh))
+    mesh = Mesh(geometry.GenerateMesh(maxh=maxh))
+    mesh.Curve(order)
+    return mesh
 
 
 def kirsch():
@@ -61,9 +63,9 @@ def kirsch_mean(radius):
     return (weight * yy).sum() / weight.sum()
 
 
-def pulled_plate(maxh, stress=1.0):
+def pulled_plate(maxh, stress=1.0, order=1):
     def make(cracks):
-        body = CrackedMesh(plate(maxh), *cracks)
+        body = CrackedMesh(plate(maxh, order), *cracks)
         V = CrackFESpace(body, order=2, material=STEEL, dirichlet=SIDES)
         problem = ContactProblem(V, TraceSpace(body, order=1))
         problem.SetDirichlet(stress * kirsch(), SIDES)
@@ -86,6 +88,14 @@ def test_the_rim_of_a_hole(radius):
         assert new.stress == pytest.approx(kirsch_mean(radius), rel=0.01) and new.origin == "hole"
         assert np.hypot(X, Y) == pytest.approx(RADIUS, rel=0.03) and abs(Y) < 0.11 * RADIUS  # 6 degrees; the maximum is flat
         assert np.array(new.crack.points[1]) == pytest.approx((X + 0.1 * np.sign(X), Y), abs=0.01) and new.crack.length == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_the_rim_of_a_round_hole(order):
+    """On curved elements a crack starts on the circle; chords lie in the hole, up to 1 % of its radius."""
+    (new,) = StressInitiation(strength=1.5, radius=0.04, length=0.1).Starts(pulled_plate(0.03, order=order)([]).Solve())
+    assert np.hypot(*new.point) == pytest.approx(RADIUS, rel=3e-4) and abs(new.point[1]) < 0.11 * RADIUS
+    assert new.stress == pytest.approx(kirsch_mean(0.04), rel=0.01) and new.origin == "hole"
 
 
 def test_cracks_start_from_both_sides_of_a_hole_and_grow():
