@@ -94,7 +94,7 @@ def test_the_rim_of_a_hole(radius):
 def test_the_rim_of_a_round_hole(order):
     """On curved elements a crack starts on the circle; chords lie in the hole, up to 1 % of its radius."""
     (new,) = StressInitiation(strength=1.5, radius=0.04, length=0.1).Starts(pulled_plate(0.03, order=order)([]).Solve())
-    assert np.hypot(*new.point) == pytest.approx(RADIUS, rel=3e-4) and abs(new.point[1]) < 0.11 * RADIUS
+    assert np.hypot(*new.point) == pytest.approx(RADIUS, rel=3e-4) and abs(new.point[1]) < 0.13 * RADIUS  # 7 degrees; the maximum is flat
     assert new.stress == pytest.approx(kirsch_mean(0.04), rel=0.01) and new.origin == "hole"
 
 
