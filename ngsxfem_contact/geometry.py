@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from ngsolve import BND, CF, Integrate, ds, dx
+from ngsolve import BND, CF, Integrate, Mesh, ds, dx
 
 from . import _ngsxfem_contact as core
 from . import curves  # noqa: F401  gives Crack its curves
 from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, Sheet, Side
+from .arguments import check_type
 from .description import as_html, as_text, of_body
 from .share import share_of
 from .sheets import body_in_space
-
-if TYPE_CHECKING:
-    from ngsolve import Mesh
 
 __all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "Sheet", "Side"]
 
@@ -53,6 +51,7 @@ class CrackedMesh(core.CrackedMesh):
         return body_in_space(mesh, cracks) or super().__new__(cls)
 
     def __init__(self, mesh: Mesh, *cracks: Any) -> None:
+        check_type(mesh, Mesh, "CrackedMesh: mesh", "a Mesh of NGSolve; one of Netgen becomes it by Mesh(...)")
         self.share = share_of(mesh, cracks)
         check_curved(self.share.mesh)
         super().__init__(self.share.mesh, *cracks, is_part=self.share.several)

@@ -45,6 +45,8 @@ class PathSteps:
     ------
     TypeError
         For contact without friction, and for a law without At(nodes).
+    ValueError
+        For a problem without a load and without a displacement that is given.
 
     Notes
     -----
@@ -71,6 +73,8 @@ class PathSteps:
         check_type(fixed, LoadCase | None, "PathSteps: fixed", "a LoadCase(problem)")
         self.law, self.reduced = problem.law, ReducedProblem(problem, inverse)
         self.case = self.reduced.case
+        if not self.reduced.exchange.Max(max(np.abs(values).max(initial=0) for values in (self.case.F, self.case.given))):
+            raise ValueError("PathSteps: the problem holds no load and no displacement whose factor could be found; give it some before PathSteps(problem)")
         self.fixed = 0 * self.case if fixed is None else self.reduced.Reduce(fixed)
         self.first, self._rows = StepOptions(previous=previous), list[dict[str, Any]]()
         self.t, self._earlier, self.last = 0.0, None, None

@@ -221,6 +221,11 @@ def test_multipliers(options, message):
         TraceSpace(BODY, **options)
 
 
+def test_a_mesh_of_netgen():
+    with pytest.raises(TypeError, match=r"CrackedMesh: mesh=.* is not a Mesh of NGSolve; one of Netgen becomes it by Mesh\(...\)"):
+        CrackedMesh(rectangle(0.4).ngmesh, Crack([(0, 0.51), (0.6, 0.53)]))
+
+
 def test_integrands():
     with refused("scalar"):
         Integrate(CF((1, 2)) * BODY.dx, MESH)

@@ -156,3 +156,5 @@ def test_what_is_refused():
     steps.Solve(0.01)
     with pytest.raises(NotConverged, match="PathSteps: .*take a smaller step"):
         steps.Solve(0.05, max_iterations=1)
+    with pytest.raises(ValueError, match="PathSteps: the problem holds no load and no displacement whose factor could be found"):
+        PathSteps(column(ExponentialCohesive(1.0, G_C)))
