@@ -15,7 +15,7 @@
 from pathlib import Path
 
 script = Path("many.py")
-script.write_text('''
+_ = script.write_text('''
 from netgen.geom2d import unit_square
 from ngsolve import CF, Integrate
 from ngsxfem_contact import *
