@@ -31,8 +31,9 @@ def checked_vector(vector: Vector, name: str) -> np.ndarray:
 def checked_direction(vector: Vector, name: str) -> np.ndarray:
     """A vector of unit length; raises ValueError for zero."""
     array = checked_vector(vector, name)
-    if not np.linalg.norm(array) > 0:
+    if not np.abs(array).max() > 0:
         raise ValueError(f"{name}={tuple(array.tolist())} is zero and has no direction")
+    array /= np.abs(array).max()  # squares of its components neither overflow nor vanish
     return array / np.linalg.norm(array)
 
 
@@ -135,6 +136,8 @@ def polygon(points: Vectors) -> Sheet:
     Exception
         For corners that coincide, and for a polygon that meets itself.
     """
+    if not isinstance(points, Sequence | np.ndarray):
+        raise TypeError(f"Sheet.Polygon: points={points!r} are no list of corners (x, y, z)")
     corners = np.array([checked_vector(p, f"Sheet.Polygon: point {i}") for i, p in enumerate(points)])
     if len(corners) < 3:
         raise ValueError(f"Sheet.Polygon: {len(corners)} points span no polygon; give three or more")
@@ -161,7 +164,11 @@ for name, constructor in (("Disk", disk), ("Ellipse", ellipse), ("Polygon", poly
 
 def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
     """The CrackedSolid of a mesh in space; None for a plane one. Raises TypeError for cracks of the other dimension, and for several processes."""
-    if not isinstance(mesh, Mesh) or mesh.dim != 3:
+    if not isinstance(mesh, Mesh):
+        if cracks:
+            raise TypeError(f"CrackedMesh: mesh={mesh!r} is not a Mesh of NGSolve; a mesh of Netgen becomes one by Mesh(ngmesh)")
+        return None
+    if mesh.dim != 3:
         if any(isinstance(crack, Sheet) for crack in cracks):
             raise TypeError("CrackedMesh: a Sheet cracks a body in space, but the mesh is plane; give it Cracks")
         return None

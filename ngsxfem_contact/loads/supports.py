@@ -217,7 +217,7 @@ class Supports:
         total = np.zeros(unknowns.polynomial.stop)
         for key in dofs:
             total[dofs[key]] += weights[key]
-        holders: dict[str, Holder] = {}
+        holders: dict[Any, Holder] = {}  # by the names of boundaries and the points of pins
         for key in sorted(dofs):
             name = self.V.mesh.GetBoundaries()[key[0]]
             holders[name] = holders.get(name, Holder(name)) + Holder(name, dofs[key], weights[key] / total[dofs[key]])
@@ -225,8 +225,7 @@ class Supports:
         pins = [(point, dof) for point, dof in zip(here, self.pins) if total[dof] == 0]
         for point in dict.fromkeys(point for point in self.points if point not in here or any(point == of_one for of_one, _ in pins)):
             dofs = np.array([dof for of_one, dof in pins if of_one == point], dtype=int)
-            name = "pin at ({:g}, {:g})".format(*point)
-            holders[name] = holders.get(name, Holder(name, point=point)) + Holder(name, dofs, np.ones(len(dofs)))
+            holders[point] = Holder(f"pin at ({', '.join(f'{c:g}' for c in point)})", dofs, np.ones(len(dofs)), point)
         return list(holders.values())
 
     def CornerEdges(self) -> list[CornerEdge]:
