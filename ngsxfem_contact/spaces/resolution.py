@@ -12,9 +12,10 @@ from ..points import place
 from .tip_disk import largest_disk
 
 if TYPE_CHECKING:
-    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, Tip, TipSpec
+    from .._ngsxfem_contact import CrackedMesh, CrackedSolid, CrackFESpace, Tip, TipSpec
     from ..material import Isotropic
 
+DEPTH, BLUNT = 1.5, 2  # longest edges between the front of a sheet and its innermost point: with modes, and without
 CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
 
 
@@ -81,6 +82,25 @@ def coarse_elements(V: CrackFESpace) -> np.ndarray:
             elements = np.array([at.element for at in body.Elements(tip.crack)])
             found.append(elements[element_sizes(body, elements) > spec.r1 / DISK])
     return np.unique(np.concatenate(found))
+
+
+def warn_of_coarse_sheets(body: CrackedSolid, has_modes: bool) -> None:
+    """Sheets of which no point is as far as DEPTH, without modes BLUNT, longest edges of their elements from the nearest front."""
+    least, (element, *_, x, y, z) = DEPTH if has_modes else BLUNT, body.dcrack.Points(4)
+    sheet_of = {cell.element: number for number in range(len(body.cracks)) for cell in body.Elements(number)}
+    of, points = np.array([sheet_of[int(number)] for number in element]), np.column_stack([x, y, z])
+    for number in sorted({front.sheet for front in body.fronts}):
+        fronts, size = [front for front in body.fronts if front.sheet == number], np.median([cell.h for cell in body.Elements(number)])
+        depth = 0.0
+        for point in points[of == number]:
+            depth = max(depth, min(front.Distance(point) for front in fronts))
+            if depth >= least * size:
+                break
+        else:
+            warn(
+                f"sheet {number} reaches {depth:.3g} from its front, {depth / size:.1f} of the longest edges there: with less than {least} it opens and slides too little, by "
+                f"{'20 % and more, with order 2 by some percent and more' if has_modes else '30 % and more, as its front has no modes'}; refine to edges <= {depth / least:.2g} there"
+            )
 
 
 def warn_of_short_increment(body: CrackedMesh, tip: Tip, advance: float) -> bool:
