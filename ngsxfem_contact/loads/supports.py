@@ -13,7 +13,6 @@ from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, LinearF
 
 from ..arguments import check_function, check_regions, check_type
 from ..pickling import dofs_of, numbers_of
-from ..points import crack_points
 from ..spaces.unknowns import Unknowns
 from .boundary_samples import boundary_samples
 from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
@@ -253,14 +252,12 @@ class Supports:
         scale
             The largest given displacement.
         """
-        body = self.V.body
-        for (crack, s), jump in zip(self.samples.mouths, jumps):
-            if jump < 0 and jump + gap(crack_points(body, crack, [s])).item() < -TOLERANCE * scale:
+        for number, ((crack, *_), jump) in enumerate(zip(self.samples.mouths, jumps)):
+            if jump < 0 and jump + self.samples.AtMouth(gap, number) < -TOLERANCE * scale:
+                where = ", ".join(f"{coordinate:g}" for coordinate in self.samples.Place(number))
                 raise ValueError(
-                    "the given displacements push the faces of crack {} through each other by {:g} at its mouth ({:g}, {:g}), ".format(
-                        crack, -jump, *body.cracks[crack].PointAt(s)
-                    )
-                    + "which no displacement fulfils: give a jump that is not negative there, an initial gap, or leave this part of the boundary free"
+                    f"the given displacements push the faces of crack {crack} through each other by {-jump:g} at its mouth ({where}), "
+                    "which no displacement fulfils: give a jump that is not negative there, an initial gap, or leave this part of the boundary free"
                 )
 
 
