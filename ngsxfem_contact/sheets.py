@@ -14,6 +14,8 @@ from .processes import Processes
 Vector: TypeAlias = Sequence[float]
 Vectors: TypeAlias = Sequence[Vector] | np.ndarray
 
+SLENDER = 300  # half axes of an ellipse: the arcs of one that is more slender come nearer to each other than the core can tell apart
+
 
 def checked_vector(vector: Vector, name: str) -> np.ndarray:
     """An array (3,); raises ValueError for what is none, and for numbers that are not finite."""
@@ -109,12 +111,12 @@ def ellipse(center: Vector, a: Vector, b: Vector) -> Sheet:
     Raises
     ------
     ValueError
-        For vectors that are none, that are not perpendicular, or one more than 1000 times as long as the other.
+        For vectors that are none, that are not perpendicular, or one more than 300 times as long as the other.
     """
     origin, first, second = (checked_vector(v, f"Sheet.Ellipse: {name}") for v, name in ((center, "center"), (a, "a"), (b, "b")))
     lengths = float(np.linalg.norm(first)), float(np.linalg.norm(second))
-    if not min(lengths) > 1e-3 * max(lengths):
-        raise ValueError(f"Sheet.Ellipse: the half axes have lengths {lengths[0]:g} and {lengths[1]:g}; they must be positive, with a ratio below 1000")
+    if not min(lengths) > max(lengths) / SLENDER:
+        raise ValueError(f"Sheet.Ellipse: the half axes have lengths {lengths[0]:g} and {lengths[1]:g}; they must be positive, with a ratio below {SLENDER}")
     if abs(first @ second) > 1e-8 * lengths[0] * lengths[1]:
         raise ValueError(f"Sheet.Ellipse: a={tuple(first.tolist())} and b={tuple(second.tolist())} are not perpendicular; give the half axes")
     loop = Crack.OfPieces([("ellipse", [(0, 0), (lengths[0], 0), (0, lengths[1]), (0, 2 * np.pi)])])
@@ -174,6 +176,8 @@ def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
         return None
     for sheet in cracks:
         check_type(sheet, Sheet, "CrackedMesh: crack", "a Sheet, but the mesh has dimension 3; give sheets one by one, a list as CrackedMesh(mesh, *sheets)")
+    if not mesh.ne:
+        raise ValueError("CrackedMesh: the mesh has no tetrahedra, its surface alone; let Netgen mesh the volume, too")
     Processes.Of(mesh, "CrackedMesh").Refuse("A body in space")
     return CrackedSolid(mesh, list(cracks))
 

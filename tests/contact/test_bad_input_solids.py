@@ -1,8 +1,11 @@
 """Bodies in space: what makes no sense there, and what is there in the plane only, is refused where it is given, and named."""
 
+from math import pi
+
 import pytest
 from netgen.csg import unit_cube
 from netgen.geom2d import unit_square
+from netgen.meshing import MeshingStep
 from ngsolve import CF, Mesh, specialcf
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, Elasticity, LoadCase, LoadSteps, SheetGrowth, TraceSpace
@@ -39,6 +42,10 @@ SOLUTION, OF_PLANE = PROBLEM.Solve(), plane().Solve()
 V = PROBLEM.V
 
 
+def surface():
+    return Mesh(unit_cube.GenerateMesh(maxh=0.5, perfstepsend=MeshingStep.MESHSURFACE))
+
+
 def grown_by(found):
     return SheetGrowth(lambda sheets: found, [DISK], GivenIncrement(0.1)).Step()
 
@@ -47,6 +54,7 @@ def grown_by(found):
     "call, error, words",
     [
         (lambda: CrackedMesh(MESH.ngmesh, DISK), TypeError, r"is not a Mesh of NGSolve; .* Mesh\(ngmesh\)"),
+        (lambda: CrackedMesh(surface(), DISK), ValueError, "has no tetrahedra, its surface alone"),
         (lambda: CrackedMesh(None, DISK), TypeError, "mesh=None is not a Mesh"),
         (lambda: Sheet.Polygon(None), TypeError, "points=None are no list of corners"),
         (lambda: PROBLEM.Solve(inverse="cholesky"), ValueError, "inverse='cholesky' names no solver; take one of .*'sparsecholesky'.*'cg'"),
@@ -79,6 +87,13 @@ def test_refused(call, error, words, tmp_path, monkeypatch):
 @pytest.mark.parametrize("size", (1e-200, 1e200))
 def test_a_normal_of_any_length(size):
     assert Sheet.Disk((0, 0, 0), (0, 0, size), 1).normal == (0, 0, 1)
+
+
+@pytest.mark.parametrize("ratio", (3.3, 30, 170, 299.9))
+@pytest.mark.parametrize("turned", (False, True))
+def test_slender_ellipses(ratio, turned):
+    axes = [(0.4, 0, 0), (0, 0.4 / ratio, 0)]
+    assert Sheet.Ellipse((0, 0, 0), *axes[:: -1 if turned else 1]).area == pytest.approx(pi * 0.16 / ratio, rel=1e-12)
 
 
 def test_multipliers_have_three_components():
