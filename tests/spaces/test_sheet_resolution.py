@@ -3,10 +3,12 @@
 import warnings
 
 import pytest
-from ngsolve import Integrate
+from netgen.csg import unit_cube
+from netgen.geom2d import unit_square
+from ngsolve import CF, Integrate, Mesh
 from ngsolve.meshes import MakeStructured3DMesh
 
-from ngsxfem_contact import ContactProblem, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 from ngsxfem_contact.errors import AccuracyWarning
 from ngsxfem_contact.exact.pennies import penny_in_tension
 from ngsxfem_contact.geometry import Sheet
@@ -49,3 +51,52 @@ def test_a_sheet_through_the_body_has_no_front():
     with warnings.catch_warnings():
         warnings.simplefilter("error", AccuracyWarning)
         CrackFESpace(body, order=1, material=MATERIAL, front=None)
+
+
+HEIGHT = 0.513
+
+
+def space(mesh, cracks, order, material, **arguments):
+    """V of a body, and what was warned of its boundary."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", AccuracyWarning)
+        V = CrackFESpace(CrackedMesh(mesh, *cracks), order=order, material=material, dirichlet="bottom", **arguments)
+    return V, [str(one.message) for one in caught if "the boundary of the body" in str(one.message)]
+
+
+def torn(V):
+    """The potential energy of a square or cube that is held below and pulled above."""
+    problem = ContactProblem(V, TraceSpace(V.body))
+    problem.f += CF((0,) * (V.mesh.dim - 1) + (1,)) * V.TestFunction() * V.body.ds("top")
+    return problem.Solve().PotentialEnergy()
+
+
+@pytest.mark.parametrize("ligament, order, least, most", [(0.06, 1, 0, 0.3), (0.06, 2, 0, 0.8), (0.1, 1, 0, 0.5), (0.4, 2, 0.95, 1.01)])
+def test_fronts_beside_the_boundary_warn(ligament, order, least, most):
+    """Beside the plane problem with smaller elements."""
+    mesh = Mesh(unit_cube.GenerateMesh(maxh=0.25))
+    end = 1 - ligament
+    sheet = Sheet.Polygon([(-1, -1, HEIGHT), (end, -1, HEIGHT), (end, 2, HEIGHT), (-1, 2, HEIGHT)])
+    V, said = space(mesh, [sheet], order, MATERIAL, dirichlety="left|right")
+    plane = Mesh(unit_square.GenerateMesh(maxh=0.03))
+    of_plane, _ = space(plane, [Crack([(0, HEIGHT), (end, HEIGHT)])], 3, Elasticity.PlaneStrain(E=2, nu=0.3))
+    assert least < torn(V) / torn(of_plane) < most
+    if ligament > 0.25:
+        assert not said
+    else:
+        (warning,) = said
+        assert warning.startswith("the front of sheet 0 passes the boundary of the body") and "near (1, " in warning
+
+
+@pytest.mark.parametrize("maxh", (0.2, 0.12))
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        Sheet.Disk((0.5, 0.5, 0.52), (0, 0.2, 1), 0.25),
+        Sheet.Disk((0, 0.5, 0.52), (0, 0.2, 1), 0.3),
+        Sheet.Disk((0, 0, 0.52), (0, 0, 1), 0.3),
+        Sheet.Polygon([(-1, -2.9, 0.52), (2, 2.3, 0.52), (2, -2.9, 0.52)]),  # at 60 degrees
+    ],
+)
+def test_fronts_that_end_on_the_boundary_do_not(maxh, sheet):
+    assert not space(Mesh(unit_cube.GenerateMesh(maxh=maxh)), [sheet], 1, MATERIAL)[1]
