@@ -64,7 +64,7 @@ def of_solid(body: CrackedSolid) -> Lines:
     lines = [("mesh", numbered(body.mesh.ne, "tetrahedron", "tetrahedra"))]
     for number in range(len(body.cracks)):
         cut = body.CrackElements(number)
-        area = sum(body.FacetArea(element) for element in range(body.mesh.ne) if cut[element])
+        area = sum(body.FacetArea(cell.element) for cell in body.Elements(number))
         lines.append((f"sheet {number}", f"area {area:.6g} in {numbered(cut.NumSet(), 'element')}"))
     for number, front in enumerate(body.fronts):
         lines.append((f"front {number}", f"of sheet {front.sheet}, length {front.length:.6g}, {'closed' if front.closed else 'open'}"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
+from functools import cached_property, singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,6 +64,11 @@ class BoundarySamples:
         element, self.xi, vertex, mouth, side = np.array(rows).T
         self.element, self.vertex, self.mouth, self.side = (column.astype(int) for column in (element, vertex, mouth, side))
         self.region = np.array([element.index for element in elements])[self.element]
+
+    @cached_property
+    def beside(self) -> np.ndarray:
+        """The rows beside mouths."""
+        return np.flatnonzero(self.side)
 
     def Values(self, function: CoefficientFunction, region: int) -> np.ndarray:
         """A CoefficientFunction at the points of a region, NaN at the others: (rows, components)."""
@@ -127,7 +132,7 @@ class BoundarySamples:
 
     def _given(self, sides: dict[tuple[int, int], HeldSide], mouth: int, side: int, component: int) -> float:
         """What is given on one face of a mouth, NaN if nothing is."""
-        rows = np.flatnonzero((self.mouth == mouth) & (self.side == side))
+        rows = self.beside[(self.mouth[self.beside] == mouth) & (self.side[self.beside] == side)]
         given = [sides[self.region[row], component].samples[row] for row in rows if (self.region[row], component) in sides]
         return given[0] if given else np.nan
 
@@ -151,9 +156,7 @@ class SurfaceSamples(BoundarySamples):
         heights = [(self.points - sheet.origin) @ np.array(sheet.normal) for sheet in body.cracks]
         self.thickness = AT * np.ptp(self.points, axis=0).max()
         on_plane = np.min(np.abs(heights), axis=0) <= self.thickness
-        number, vertex = np.repeat(np.arange(len(self.corners)), 3), self.corners.ravel()
-        rows = list(zip(number, vertex, np.where(on_plane[vertex], 0, -1), np.zeros(len(vertex), dtype=int)))
-        reference = [np.tile(CORNERS, (len(self.corners), 1))]
+        rows, reference = [], []  # beside the mouths
         for sheet, of_points in enumerate(heights):
             of_points[np.abs(of_points) <= self.thickness] = 0
             for pieces in self._pieces(sheet, of_points):
@@ -162,11 +165,14 @@ class SurfaceSamples(BoundarySamples):
                 for element, middle in pieces:
                     h = of_points[self.corners[element]]
                     for side in (1, -1):
-                        if (k := int(np.argmax(side * h))) >= 0 and side * h[k] > 0:
+                        k = int(np.argmax(side * h))
+                        if side * h[k] > 0:
                             rows.append((element, -1, mouth, side))
-                            reference.append((middle + BESIDE * (np.eye(3)[k] - middle))[None] @ CORNERS)
-        self.element, self.vertex, self.mouth, self.side = np.array(rows, dtype=int).T
-        self.reference = np.concatenate(reference)
+                            reference.append((middle + BESIDE * (np.eye(3)[k] - middle)) @ CORNERS)
+        number, vertex = np.repeat(np.arange(len(self.corners)), 3), self.corners.ravel()
+        at_corners = np.column_stack([number, vertex, np.where(on_plane[vertex], 0, -1), np.zeros(len(vertex), dtype=int)])
+        self.element, self.vertex, self.mouth, self.side = np.concatenate([at_corners, np.array(rows, dtype=int).reshape(-1, 4)]).T
+        self.reference = np.concatenate([np.tile(CORNERS, (len(self.corners), 1)), np.array(reference).reshape(-1, 2)])
         self.region = np.array([element.index for element in elements])[self.element]
 
     def _pieces(self, sheet: int, heights: np.ndarray) -> Iterator[list[tuple[int, np.ndarray]]]:
