@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from ._ngsxfem_contact import CrackedMesh
+    from ._ngsxfem_contact import CrackedMesh, CrackedSolid
 
 Lines = list[tuple[str, str]]
 
@@ -56,4 +56,16 @@ def of_body(body: CrackedMesh) -> Lines:
     for number, crack in enumerate(body.cracks):
         ends = "closed" if crack.closed else joined(f"{end.kind.name.lower()} ({end.point[0]:.6g}, {end.point[1]:.6g})" for end in body.Ends(number))
         lines.append((f"crack {number}", f"length {crack.length:.6g}, {ends}"))
+    return [*lines, *(("note", note) for note in body.notes)]
+
+
+def of_solid(body: CrackedSolid) -> Lines:
+    """The mesh, the sheets with what they cut, their fronts, and what was moved."""
+    lines = [("mesh", numbered(body.mesh.ne, "tetrahedron", "tetrahedra"))]
+    for number in range(len(body.cracks)):
+        cut = body.CrackElements(number)
+        area = sum(body.FacetArea(cell.element) for cell in body.Elements(number))
+        lines.append((f"sheet {number}", f"area {area:.6g} in {numbered(cut.NumSet(), 'element')}"))
+    for number, front in enumerate(body.fronts):
+        lines.append((f"front {number}", f"of sheet {front.sheet}, length {front.length:.6g}, {'closed' if front.closed else 'open'}"))
     return [*lines, *(("note", note) for note in body.notes)]

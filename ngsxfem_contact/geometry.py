@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import BND, CF, Integrate, Mesh, ds, dx
@@ -11,9 +11,12 @@ from . import _ngsxfem_contact as core
 from . import curves  # noqa: F401  gives Crack its curves
 from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, Sheet, Side
 from .arguments import check_type
-from .description import as_html, as_text, of_body
+from .description import as_html, as_text, of_body, of_solid
 from .share import share_of
 from .sheets import body_in_space
+
+if TYPE_CHECKING:
+    from .description import Lines
 
 __all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "Sheet", "Side"]
 
@@ -78,15 +81,11 @@ def check_curved(mesh: Mesh) -> None:
         )
 
 
-def described(body: CrackedMesh) -> str:
-    """Its mesh, and its cracks with their ends."""
-    return as_text("CrackedMesh", of_body(body))
+def lines_of(body: Any) -> tuple[str, Lines]:
+    """Its name, and what it says of itself: its mesh, and its cracks with their ends or fronts."""
+    return ("CrackedSolid", of_solid(body)) if isinstance(body, core.CrackedSolid) else ("CrackedMesh", of_body(body))
 
 
-def described_in_notebooks(body: CrackedMesh) -> str:
-    """The same as HTML."""
-    return as_html("CrackedMesh", of_body(body))
-
-
-core.CrackedMesh.__repr__ = described  # type: ignore
-core.CrackedMesh._repr_html_ = described_in_notebooks  # type: ignore
+for kind in (core.CrackedMesh, core.CrackedSolid):
+    kind.__repr__ = lambda body: as_text(*lines_of(body))  # type: ignore
+    kind._repr_html_ = lambda body: as_html(*lines_of(body))  # type: ignore

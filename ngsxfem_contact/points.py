@@ -24,7 +24,7 @@ def distance_to_segments(a: np.ndarray, b: np.ndarray, point: np.ndarray) -> flo
     return float(np.hypot(*(a + t[:, None] * (b - a) - point).T).min())
 
 
-def place(point: tuple[float, float]) -> str:
+def place(point: tuple[float, ...]) -> str:
     """A point in a message."""
     return f"({', '.join(f'{coordinate:.4g}' for coordinate in point)})"
 

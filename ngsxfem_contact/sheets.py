@@ -14,6 +14,8 @@ from .processes import Processes
 Vector: TypeAlias = Sequence[float]
 Vectors: TypeAlias = Sequence[Vector] | np.ndarray
 
+SLENDER = 300  # half axes of an ellipse: the arcs of one that is more slender come nearer to each other than the core can tell apart
+
 
 def checked_vector(vector: Vector, name: str) -> np.ndarray:
     """An array (3,); raises ValueError for what is none, and for numbers that are not finite."""
@@ -31,8 +33,9 @@ def checked_vector(vector: Vector, name: str) -> np.ndarray:
 def checked_direction(vector: Vector, name: str) -> np.ndarray:
     """A vector of unit length; raises ValueError for zero."""
     array = checked_vector(vector, name)
-    if not np.linalg.norm(array) > 0:
+    if not np.abs(array).max() > 0:
         raise ValueError(f"{name}={tuple(array.tolist())} is zero and has no direction")
+    array /= np.abs(array).max()  # squares of its components neither overflow nor vanish
     return array / np.linalg.norm(array)
 
 
@@ -108,12 +111,12 @@ def ellipse(center: Vector, a: Vector, b: Vector) -> Sheet:
     Raises
     ------
     ValueError
-        For vectors that are none, that are not perpendicular, or one more than 1000 times as long as the other.
+        For vectors that are none, that are not perpendicular, or one more than 300 times as long as the other.
     """
     origin, first, second = (checked_vector(v, f"Sheet.Ellipse: {name}") for v, name in ((center, "center"), (a, "a"), (b, "b")))
     lengths = float(np.linalg.norm(first)), float(np.linalg.norm(second))
-    if not min(lengths) > 1e-3 * max(lengths):
-        raise ValueError(f"Sheet.Ellipse: the half axes have lengths {lengths[0]:g} and {lengths[1]:g}; they must be positive, with a ratio below 1000")
+    if not min(lengths) > max(lengths) / SLENDER:
+        raise ValueError(f"Sheet.Ellipse: the half axes have lengths {lengths[0]:g} and {lengths[1]:g}; they must be positive, with a ratio below {SLENDER}")
     if abs(first @ second) > 1e-8 * lengths[0] * lengths[1]:
         raise ValueError(f"Sheet.Ellipse: a={tuple(first.tolist())} and b={tuple(second.tolist())} are not perpendicular; give the half axes")
     loop = Crack.OfPieces([("ellipse", [(0, 0), (lengths[0], 0), (0, lengths[1]), (0, 2 * np.pi)])])
@@ -135,6 +138,8 @@ def polygon(points: Vectors) -> Sheet:
     Exception
         For corners that coincide, and for a polygon that meets itself.
     """
+    if not isinstance(points, Sequence | np.ndarray):
+        raise TypeError(f"Sheet.Polygon: points={points!r} are no list of corners (x, y, z)")
     corners = np.array([checked_vector(p, f"Sheet.Polygon: point {i}") for i, p in enumerate(points)])
     if len(corners) < 3:
         raise ValueError(f"Sheet.Polygon: {len(corners)} points span no polygon; give three or more")
@@ -161,12 +166,18 @@ for name, constructor in (("Disk", disk), ("Ellipse", ellipse), ("Polygon", poly
 
 def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
     """The CrackedSolid of a mesh in space; None for a plane one. Raises TypeError for cracks of the other dimension, and for several processes."""
-    if not isinstance(mesh, Mesh) or mesh.dim != 3:
+    if not isinstance(mesh, Mesh):
+        if cracks:
+            raise TypeError(f"CrackedMesh: mesh={mesh!r} is not a Mesh of NGSolve; a mesh of Netgen becomes one by Mesh(ngmesh)")
+        return None
+    if mesh.dim != 3:
         if any(isinstance(crack, Sheet) for crack in cracks):
             raise TypeError("CrackedMesh: a Sheet cracks a body in space, but the mesh is plane; give it Cracks")
         return None
     for sheet in cracks:
         check_type(sheet, Sheet, "CrackedMesh: crack", "a Sheet, but the mesh has dimension 3; give sheets one by one, a list as CrackedMesh(mesh, *sheets)")
+    if not mesh.ne:
+        raise ValueError("CrackedMesh: the mesh has no tetrahedra, its surface alone; let Netgen mesh the volume, too")
     Processes.Of(mesh, "CrackedMesh").Refuse("A body in space")
     return CrackedSolid(mesh, list(cracks))
 

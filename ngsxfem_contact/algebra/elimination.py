@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -12,6 +12,7 @@ from ngsolve import BaseMatrix, BitArray
 from pyngcore import SuspendTaskManager
 
 from .. import _ngsxfem_contact as core
+from ..arguments import check_type
 from ..processes import Exchange
 from ..protocols import DirectSolver
 from . import pardiso
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 FEW = 8  # unknowns of a border whose columns are kept, so that each further solve is one back-substitution
 CG = "cg"  # the name of conjugate gradients, which eliminate nothing: see contact.condensed
+OF_NGSOLVE = ("sparsecholesky", "pardiso", "umfpack", "superlu", "masterinverse", "mumps")  # where it was built with them
+SOLVERS = (*OF_NGSOLVE, Substructuring.name, CG)
 PARDISO_PAYS = 30_000  # unknowns; below, NGSolve's sparse Cholesky is as fast or faster (docs/measured.md)
 
 
@@ -82,6 +85,13 @@ def factorise(matrix: BaseMatrix, inner: BitArray, K: scipy.sparse.csc_matrix, i
     if inverse == "pardiso":
         return pardiso.Pardiso(matrix, inner, K)
     return BackSubstitution(matrix, inner, K, inverse)
+
+
+def check_inverse(inverse: Any) -> None:
+    """Raises TypeError or ValueError for what names no solver, before any work; None chooses."""
+    check_type(inverse, str | None, "inverse", f"the name of a solver, one of {SOLVERS}, or None")
+    if inverse is not None and inverse not in SOLVERS:
+        raise ValueError(f"inverse={inverse!r} names no solver; take one of {SOLVERS}, or None, which chooses")
 
 
 def default_inverse(size: int) -> str:

@@ -253,6 +253,8 @@ def check_converged(report: Report) -> None:
 def active_on(nodes: Nodes, solution: ContactSolution) -> np.ndarray:
     """The active set of a solution at nodes: that of the nearest of its own nodes on the same crack."""
     theirs, active = solution.state.nodes, np.empty(len(nodes), dtype=bool)
+    if (dim := theirs.positions.shape[1]) != nodes.positions.shape[1]:
+        raise ValueError(f"start is a solution in {dim} dimensions, the problem has {nodes.positions.shape[1]}")
     number, ours = (len(np.unique(of.cracks)) for of in (theirs, nodes))
     if number != ours:
         raise ValueError(f"start is a solution with {number} cracks for a problem with {ours}; both need the same cracks")

@@ -49,6 +49,8 @@ class LoadSteps:
     """
 
     def __init__(self, problem: ContactProblem, cases: Sequence[LoadCase] | None = None, inverse: str | None = None) -> None:
+        check_type(problem, ContactProblem, "LoadSteps: problem", "a ContactProblem")
+        check_type(cases, list | tuple | None, "LoadSteps: cases", "a list of LoadCases, [LoadCase(problem), ...], or None for what the problem holds")
         for case in cases or ():
             check_type(case, LoadCase, "LoadSteps: a case", "a LoadCase(problem)")
             if case.held != frozenset(problem.supports.sides):

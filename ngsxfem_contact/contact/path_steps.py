@@ -8,6 +8,7 @@ import numpy as np
 from ..algebra.face_newton import FaceProblem
 from ..algebra.face_path import FacePath, PathPoint
 from ..arguments import check_positive, check_type
+from ..sheets import check_plane
 from ..tables import Table
 from .faces import FaceHistory
 from .load_case import LoadCase, ReducedCase
@@ -65,6 +66,7 @@ class PathSteps:
     def __init__(
         self, problem: ContactProblem, fixed: LoadCase | None = None, inverse: str | None = None, previous: ContactSolution | FaceHistory | None = None
     ) -> None:
+        check_plane(problem.body, "PathSteps")
         problem = problem.AtNodes()
         if not isinstance(problem.law, NodalLaw):
             raise TypeError(

@@ -49,7 +49,9 @@ def given_stresses(material: Isotropic, initial_stress: Any, temperature: Any) -
         yield initial_stress
     if temperature is not None:
         if isinstance(material.alpha, Real) and material.alpha == 0:
-            raise ValueError("ContactProblem: temperature= needs a material that expands: give it alpha=, as in Elasticity.PlaneStrain(E, nu, alpha=...)")
+            raise ValueError(
+                "ContactProblem: temperature= needs a material that expands: give it alpha=, as Elasticity.PlaneStrain and Elasticity.Solid (E, nu, alpha=...) take it"
+            )
         yield material.ThermalStress(check_function(temperature, "ContactProblem: temperature", 1))
 
 

@@ -212,7 +212,11 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         return rows.OfPin(place)
 
     def DissipatedEnergy(self) -> float:
-        """What the faces dissipate in this load step, stress × length²: friction ∫λ_t Δg_t ≥ 0, with a threshold that changes by the trapezoidal rule, and what cohesive laws lose."""
+        """What the faces dissipate in this load step, stress × length²: friction ∫λ_t Δg_t ≥ 0, with a threshold that changes by the trapezoidal rule, and what cohesive laws lose.
+
+        Without a step before, the threshold is that of the end: a first step whose pressure grows from zero has up to twice its work, and DissipationError says so. LoadSteps that
+        begin with Solve(0) take the trapezoidal rule there, too.
+        """
         return self.state.work.dissipated
 
     def DissipationError(self) -> float:
@@ -226,9 +230,9 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         return self.state.work.stored
 
     def Multipliers(self) -> np.ndarray:
-        """L = (L_n, L_t) as one array, at the nodes where the signs are taken; L_t = 0 where there is no friction."""
+        """L = (L_n, L_t) as one array, in space (L_n, L_1, L_2), at the nodes where the signs are taken; the tangential ones are 0 where there is no friction."""
         L = self.state.L
-        return L if self.tangential_multiplier is not None else np.concatenate([L, np.zeros(len(L))])
+        return L if self.tangential_multiplier is not None else np.concatenate([L, np.zeros((self.body.mesh.dim - 1) * len(L))])
 
     def Profile(self, crack: int | str = 0, n: int = 200) -> CrackProfile:
         """A CrackProfile at n ≥ 2 points, equally spaced in arc length from end to end, in the user's units.

@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import BitArray, GridFunction
 
 from ..algebra.balance import Balance
-from ..algebra.elimination import Elimination, ReducedVector
+from ..algebra.elimination import Elimination, ReducedVector, check_inverse
 from ..algebra.matrices import added, congruent, product
 from ..protocols import Cone
 from ..spaces.unknowns import Unknowns
@@ -43,6 +43,7 @@ class ReducedProblem(AssembledProblem):
     def __init__(self, problem: "ContactProblem", inverse: str | None = None, check: bool = True) -> None:
         self.check = check
         self.transformed: dict[Cone, tuple[Matrix, Balance]] = {}
+        check_inverse(inverse)
         super().__init__(problem, inverse)
 
     def _admit(self, problem: "ContactProblem") -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -14,10 +13,8 @@ from ..arguments import check_number, check_whole
 from ..curves import of_spline
 from ..protocols import GrowthLaw, check_role
 from ..tables import Table
+from .front_stress_intensity import FrontFactors
 from .front_tube import FrontCurve
-
-if TYPE_CHECKING:
-    from .front_stress_intensity import FrontFactors
 
 logger = logging.getLogger(__name__)
 
@@ -103,7 +100,12 @@ class SheetGrowth:
 
     def Step(self) -> bool:
         """The next state: K along the fronts, and the sheets of the one after it; returns whether any point grows. What raises leaves what was done."""
-        found = list(self.evaluate(self.sheets))
+        found = self.evaluate(self.sheets)
+        if not isinstance(found, (list, tuple)) or not found or not all(isinstance(f, FrontFactors) for f in found):
+            raise TypeError(
+                f"SheetGrowth: evaluate returned {found!r}, which is not a list of one or more FrontFactors; return [solution.StressIntensity(front)]"
+            )
+        found = list(found)
         driving = np.concatenate([np.where(f.K_I > np.maximum(self.toughness, f.errors[:, 0]), f.K_I, 0.0) for f in found])
         grows = bool((driving > 0).any())
         advances, cycles = self.law.Advances(driving) if grows else (np.zeros(len(driving)), 0.0)

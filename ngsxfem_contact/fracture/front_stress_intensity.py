@@ -154,7 +154,9 @@ def _room(curve: FrontCurve, room: Room, h: float, given: float | None) -> tuple
         if given is not None or 0.85 * radius < LEAST * h:
             break
         radius *= 0.85
-    what = f"meets {met[0]}; choose a smaller radius or refine" if met else f"is narrower than an element (h = {h:.4g}); refine the mesh there"
+    smaller = 0.85 * radius >= LEAST * h
+    remedy = "choose a smaller radius or refine" if smaller else f"a tube needs {LEAST * h:.4g}, an element: refine the mesh there"
+    what = f"meets {met[0]}; {remedy}" if met else f"is narrower than an element (h = {h:.4g}); refine the mesh there"
     raise ValueError(f"front_factors: the tube of radius {radius:.4g} around front {curve.number} {what}")
 
 

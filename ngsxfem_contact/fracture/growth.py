@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arguments import check_number, check_whole
 from ..errors import NotHeld, SingularSystem
-from ..geometry import Crack, CrackedMesh
+from ..geometry import Crack, CrackedMesh, Sheet
 from ..protocols import CrackInitiation, GrowthCriterion, GrowthLaw, members
 from ..share import share_in
 from ..spaces.resolution import warn_of_short_increment
@@ -130,6 +130,8 @@ class CrackGrowth:
         if not callable(make_problem):
             raise TypeError(f"CrackGrowth: make_problem={make_problem!r} is not a function of a list of cracks that returns a ContactProblem")
         self.initiation = tuple(initiation) if isinstance(initiation, (list, tuple)) else (initiation,)
+        if isinstance(cracks, (list, tuple)) and any(isinstance(crack, Sheet) for crack in cracks):
+            raise TypeError("CrackGrowth: cracks of the plane grow here, and these are sheets; take SheetGrowth")
         if not isinstance(cracks, (list, tuple)) or not (cracks or self.initiation) or not all(isinstance(crack, Crack) for crack in cracks):
             raise TypeError(f"CrackGrowth: cracks={cracks!r} is not a list of one or more cracks, or of none with initiation=")
         roles = [("law", law, GrowthLaw), ("criterion", criterion, GrowthCriterion), *(("initiation", each, CrackInitiation) for each in self.initiation)]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
+from functools import cached_property, singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import BND
 
 from .._ngsxfem_contact import CrackedSolid, EndKind
-from ..points import boundary_points
+from ..points import boundary_points, crack_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 BESIDE = 1e-6  # of an edge: how far beside a mouth a given displacement is read
 AT = 1e-8  # of an edge: a mouth nearer to a vertex is at the vertex
+CORNERS = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])  # reference coordinates of the corners of a triangle
 
 
 @singledispatch
@@ -50,7 +51,7 @@ class BoundarySamples:
         edges = body.mesh.ngmesh.Coordinates()[corners, :2]
         rows = [[number, xi, vertex, -1, 0] for number, ends in enumerate(corners) for vertex, xi in zip(ends, (1, 0))]
         self.size = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
-        self.mouths = list(mouths_of(body))
+        self.mouths: list[Any] = list(mouths_of(body))
         for number, (crack, s) in enumerate(self.mouths):
             point = body.cracks[crack].PointAt(s)
             for element, at in elements_at(edges, point):
@@ -63,6 +64,11 @@ class BoundarySamples:
         element, self.xi, vertex, mouth, side = np.array(rows).T
         self.element, self.vertex, self.mouth, self.side = (column.astype(int) for column in (element, vertex, mouth, side))
         self.region = np.array([element.index for element in elements])[self.element]
+
+    @cached_property
+    def beside(self) -> np.ndarray:
+        """The rows beside mouths."""
+        return np.flatnonzero(self.side)
 
     def Values(self, function: CoefficientFunction, region: int) -> np.ndarray:
         """A CoefficientFunction at the points of a region, NaN at the others: (rows, components)."""
@@ -102,40 +108,114 @@ class BoundarySamples:
             (region, component) → HeldSide.
         """
         jumps = np.zeros(len(self.mouths))
-        for number, (crack, s) in enumerate(self.mouths):
-            tangent = self.body.cracks[crack].TangentAt(s)
-            for component, normal in enumerate((-tangent[1], tangent[0])):
+        for number in range(len(jumps)):
+            for component, normal in enumerate(self.Normal(number)):
                 if abs(normal) > 1e-8:
                     jumps[number] += normal * (self._given(sides, number, 1, component) - self._given(sides, number, -1, component))
         return jumps
 
+    def Normal(self, mouth: int) -> tuple[float, ...]:
+        """n at a mouth."""
+        crack, s = self.mouths[mouth]
+        tangent = self.body.cracks[crack].TangentAt(s)
+        return -tangent[1], tangent[0]
+
+    def Place(self, mouth: int) -> tuple[float, ...]:
+        """Where a mouth is."""
+        crack, s = self.mouths[mouth]
+        return self.body.cracks[crack].PointAt(s)
+
+    def AtMouth(self, function: CoefficientFunction, mouth: int) -> float:
+        """A scalar function at a mouth."""
+        crack, s = self.mouths[mouth]
+        return function(crack_points(self.body, crack, [s])).item()
+
     def _given(self, sides: dict[tuple[int, int], HeldSide], mouth: int, side: int, component: int) -> float:
         """What is given on one face of a mouth, NaN if nothing is."""
-        rows = np.flatnonzero((self.mouth == mouth) & (self.side == side))
+        rows = self.beside[(self.mouth[self.beside] == mouth) & (self.side[self.beside] == side)]
         given = [sides[self.region[row], component].samples[row] for row in rows if (self.region[row], component) in sides]
         return given[0] if given else np.nan
 
 
 class SurfaceSamples(BoundarySamples):
-    """The three corners of each boundary triangle of a body in space. Those on a sheet, where given displacements may jump, are not looked at."""
+    """The three corners of each boundary triangle of a body in space and, on either side of each piece of a mouth, a point of the triangle that it runs through, or beside.
+
+    Attributes
+    ----------
+    mouths
+        (number of the sheet, a boundary element, reference coordinates of the middle of the piece) of each.
+    """
 
     def __init__(self, body: CrackedSolid) -> None:
         self.body, self.mouths = body, []
         elements = list(body.mesh.Elements(BND))
-        corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
-        points = body.mesh.ngmesh.Coordinates()
-        a, b, c = np.moveaxis(points[corners], 1, 0)
+        self.corners = np.array([[vertex.nr for vertex in element.vertices] for element in elements])
+        self.points = np.array(body.mesh.ngmesh.Coordinates())
+        a, b, c = np.moveaxis(self.points[self.corners], 1, 0)
         self.size = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        self.element, self.vertex = np.repeat(np.arange(len(corners)), 3), corners.ravel()
-        self.reference = np.tile([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], (len(corners), 1))
+        heights = [(self.points - sheet.origin) @ np.array(sheet.normal) for sheet in body.cracks]
+        self.thickness = AT * np.ptp(self.points, axis=0).max()
+        on_plane = np.min(np.abs(heights), axis=0) <= self.thickness
+        rows, reference = [], []  # beside the mouths
+        for sheet, of_points in enumerate(heights):
+            of_points[np.abs(of_points) <= self.thickness] = 0
+            for pieces in self._pieces(sheet, of_points):
+                mouth = len(self.mouths)
+                self.mouths.append((sheet, pieces[0][0], pieces[0][1] @ CORNERS))
+                for element, middle in pieces:
+                    h = of_points[self.corners[element]]
+                    for side in (1, -1):
+                        k = int(np.argmax(side * h))
+                        if side * h[k] > 0:
+                            rows.append((element, -1, mouth, side))
+                            reference.append((middle + BESIDE * (np.eye(3)[k] - middle)) @ CORNERS)
+        number, vertex = np.repeat(np.arange(len(self.corners)), 3), self.corners.ravel()
+        at_corners = np.column_stack([number, vertex, np.where(on_plane[vertex], 0, -1), np.zeros(len(vertex), dtype=int)])
+        self.element, self.vertex, self.mouth, self.side = np.concatenate([at_corners, np.array(rows, dtype=int).reshape(-1, 4)]).T
+        self.reference = np.concatenate([np.tile(CORNERS, (len(self.corners), 1)), np.array(reference).reshape(-1, 2)])
         self.region = np.array([element.index for element in elements])[self.element]
-        heights = [np.abs((points - sheet.origin) @ np.array(sheet.normal)) for sheet in body.cracks]
-        on_plane = np.min(heights, axis=0) <= AT * np.ptp(points, axis=0).max()
-        self.mouth = np.where(on_plane[self.vertex], 0, -1)
-        self.side = np.zeros(len(self.vertex), dtype=int)
+
+    def _pieces(self, sheet: int, heights: np.ndarray) -> Iterator[list[tuple[int, np.ndarray]]]:
+        """Of each piece of a mouth the boundary triangles that it runs through or beside, with the barycentric coordinates of its middle."""
+        contains = self.body.cracks[sheet].Contains
+        inside = lambda element, middle: contains(tuple(middle @ self.points[self.corners[element]]))
+        for element in self.body.CutBoundaryElements(sheet):
+            middle = middle_of_section(heights[self.corners[element]])
+            if inside(element, middle):
+                yield [(element, middle)]
+        on_plane = heights[self.corners] == 0
+        beside: dict[tuple[int, ...], list[tuple[int, np.ndarray]]] = {}
+        for element in np.flatnonzero(on_plane.sum(axis=1) == 2):
+            edge = tuple(sorted(self.corners[element][on_plane[element]]))
+            beside.setdefault(edge, []).append((int(element), 0.5 * on_plane[element]))
+        yield from (pieces for pieces in beside.values() if inside(*pieces[0]))
 
     def _points(self, rows: np.ndarray) -> np.ndarray:
         return boundary_points(self.body.mesh, self.element[rows], *self.reference[rows].T)
+
+    def Normal(self, mouth: int) -> tuple[float, ...]:
+        """n of the sheet."""
+        return self.body.cracks[self.mouths[mouth][0]].normal
+
+    def Place(self, mouth: int) -> tuple[float, ...]:
+        """The middle of the piece."""
+        _, element, reference = self.mouths[mouth]
+        return tuple(np.append(reference, 1 - reference.sum()) @ self.points[self.corners[element]])
+
+    def AtMouth(self, function: CoefficientFunction, mouth: int) -> float:
+        """A scalar function at the middle of the piece."""
+        _, element, reference = self.mouths[mouth]
+        return function(boundary_points(self.body.mesh, np.array([element]), *reference[:, None])).item()
+
+
+def middle_of_section(heights: np.ndarray) -> np.ndarray:
+    """The barycentric coordinates, (3,), of the middle of the line on which a triangle has height 0, of the heights of its corners."""
+    corners = np.eye(3)
+    ends = [corners[i] for i in range(3) if heights[i] == 0]
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        if heights[i] * heights[j] < 0:
+            ends.append((heights[i] * corners[j] - heights[j] * corners[i]) / (heights[i] - heights[j]))
+    return np.mean(ends, axis=0)
 
 
 boundary_samples.register(CrackedSolid, SurfaceSamples)

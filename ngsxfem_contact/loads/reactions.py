@@ -29,7 +29,7 @@ class Holder:
     Attributes
     ----------
     name
-        Of the boundary, or "pin at (x, y)".
+        Of the boundary, or "pin at (x, y)", in space "pin at (x, y, z)".
     dofs
         Unknowns of φ_i.
     shares

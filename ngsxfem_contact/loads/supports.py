@@ -13,7 +13,6 @@ from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, LinearF
 
 from ..arguments import check_function, check_regions, check_type
 from ..pickling import dofs_of, numbers_of
-from ..points import crack_points
 from ..spaces.unknowns import Unknowns
 from .boundary_samples import boundary_samples
 from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
@@ -242,7 +241,7 @@ class Supports:
         total = np.zeros(unknowns.polynomial.stop)
         for key in dofs:
             total[dofs[key]] += weights[key]
-        holders: dict[str, Holder] = {}
+        holders: dict[Any, Holder] = {}  # by the names of boundaries and the points of pins
         for key in sorted(dofs):
             name = self.V.mesh.GetBoundaries()[key[0]]
             holders[name] = holders.get(name, Holder(name)) + Holder(name, dofs[key], weights[key] / total[dofs[key]])
@@ -250,8 +249,7 @@ class Supports:
         pins = [(point, dof) for point, dof in zip(here, self.pins) if total[dof] == 0]
         for point in dict.fromkeys(point for point in self.points if point not in here or any(point == of_one for of_one, _ in pins)):
             dofs = np.array([dof for of_one, dof in pins if of_one == point], dtype=int)
-            name = "pin at ({:g}, {:g})".format(*point)
-            holders[name] = holders.get(name, Holder(name, point=point)) + Holder(name, dofs, np.ones(len(dofs)))
+            holders[point] = Holder(f"pin at ({', '.join(f'{c:g}' for c in point)})", dofs, np.ones(len(dofs)), point)
         return list(holders.values())
 
     def CornerEdges(self) -> list[CornerEdge]:
@@ -279,14 +277,12 @@ class Supports:
         scale
             The largest given displacement.
         """
-        body = self.V.body
-        for (crack, s), jump in zip(self.samples.mouths, jumps):
-            if jump < 0 and jump + gap(crack_points(body, crack, [s])).item() < -TOLERANCE * scale:
+        for number, ((crack, *_), jump) in enumerate(zip(self.samples.mouths, jumps)):
+            if jump < 0 and jump + self.samples.AtMouth(gap, number) < -TOLERANCE * scale:
+                where = ", ".join(f"{coordinate:g}" for coordinate in self.samples.Place(number))
                 raise ValueError(
-                    "the given displacements push the faces of crack {} through each other by {:g} at its mouth ({:g}, {:g}), ".format(
-                        crack, -jump, *body.cracks[crack].PointAt(s)
-                    )
-                    + "which no displacement fulfils: give a jump that is not negative there, an initial gap, or leave this part of the boundary free"
+                    f"the given displacements push the faces of crack {crack} through each other by {-jump:g} at its mouth ({where}), "
+                    "which no displacement fulfils: give a jump that is not negative there, an initial gap, or leave this part of the boundary free"
                 )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from .plots import pyplot
 from .sheet_trace import SheetTrace
-from .solid_files import along, between_nodes
+from .solid_files import along, between_nodes, check_factors
 from .solid_plots import SheetView
 
 if TYPE_CHECKING:
@@ -29,9 +29,15 @@ def plot_front(factors: FrontFactors, ax: Any = None, quantity: str = "K_I") -> 
         Two of matplotlib; default new ones.
     quantity : str
         "K_I", "K_II", "K_III" or "G", which colours the front.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what are no FrontFactors, and for another quantity.
     """
     from matplotlib.collections import LineCollection
 
+    check_factors(factors, "plot_front: factors")
     if quantity not in QUANTITIES:
         raise ValueError(f"plot_front: quantity={quantity!r} is not one of {QUANTITIES}")
     if ax is None:

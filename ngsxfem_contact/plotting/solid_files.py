@@ -12,6 +12,7 @@ import numpy as np
 from ngsolve import CF
 
 from .._ngsxfem_contact import CrackedSolid
+from ..arguments import check_type
 from ..files import write_all
 from ..operators import Jump, Minus, Plus
 from ..points import element_regions, mesh_points, reference_coordinates
@@ -116,10 +117,18 @@ def front_data(body: CrackedSolid, factors: Sequence[Any]) -> Grid:
     return Grid(np.array(places), cells, LINE, joined, {"front": np.array(number_of), "sheet": sheets[number_of]})
 
 
+def check_factors(factors: Any, name: str) -> None:
+    """Raises TypeError for what are no FrontFactors."""
+    if not all(hasattr(factors, member) for member in ("body", "front", "columns")):
+        raise TypeError(f"{name}={repr(factors).partition(chr(10))[0]} is not what StressIntensity(front) of a solution in space gives")
+
+
 def checked_factors(body: CrackedSolid, factors: Sequence[Any]) -> dict[int, Any]:
-    """FrontFactors by their fronts; raises ValueError for those of another body, and for two of the same front."""
+    """FrontFactors by their fronts; raises TypeError for what is no list of them, ValueError for those of another body, and for two of the same front."""
+    check_type(factors, list | tuple, "factors", "a list of FrontFactors; give [solution.StressIntensity(front)]")
     given: dict[int, Any] = {}
     for found in factors:
+        check_factors(found, "factors: an entry")
         if found.body is not body:
             raise ValueError("factors: these are FrontFactors of another body; give those of this solution's StressIntensity(front)")
         if found.front in given:

@@ -128,6 +128,8 @@ def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float 
     split, scale = picture.split, visible_scale(picture.split, picture.u, scale)
     plane = usual_cut(split) if cut is None else None if cut is False else checked_plane(cut)
     values = split.EvaluateInside(solution.VonMises() if field is None else CF(field))
+    if not (heights(split, plane) < 0).any():
+        raise ValueError(f"plot_body: cut={cut!r} leaves nothing of the body; it keeps what lies opposite to the normal, turn that or move the point")
     ax = ax or pyplot().figure(figsize=(7.5, 5.6), layout="constrained").add_subplot(projection="3d")
     ax.view_init(*view_of(plane))
     towards = direction(*view_of(plane))
@@ -151,7 +153,8 @@ def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float 
     for axis, part in zip((ax.xaxis, ax.yaxis, ax.zaxis), (high_corner - low_corner) / np.ptp([low_corner, high_corner], axis=0).max()):
         axis.set_major_locator(plt.MaxNLocator(5 if part > 0.6 else 3))
     ax.figure.colorbar(plt.cm.ScalarMappable(norm, colour_map), ax=ax, label=label, extend="both", shrink=0.7, pad=0.08)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, frameon=False)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, frameon=False)
     ax.set_title(f"deformed body, displacement × {scale:g}")
     return ax
 

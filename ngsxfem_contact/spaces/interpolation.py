@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CELL, EDGE, VERTEX, VOL, BilinearForm, BitArray, GridFunction, LinearForm, NodeId, VectorH1
 
+from .. import _ngsxfem_contact as core
 from .._ngsxfem_contact import CrackedSolid
 from ..algebra.elimination import Elimination
-from ..arguments import check_function
+from ..arguments import check_function, check_type
 from .exchange import exchange_of
 from .unknowns import Unknowns, scalar_flags
 
@@ -45,6 +46,7 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     -----
     With several cracks the same pair is used at each.
     """
+    check_type(V, core.CrackFESpace | core.SolidFESpace, "Interpolant: V", "a CrackFESpace")
     V.body.CheckMesh()
     unknowns = Unknowns(V)
     given = ((plus, "plus"), (minus if minus is not None else plus, "minus"))
@@ -140,6 +142,7 @@ def Projection(V: CrackFESpace, function: CoefficientFunction, bonus_intorder: i
     ValueError
         For a function that is not finite or has another number of components.
     """
+    check_type(V, core.CrackFESpace | core.SolidFESpace, "Projection: V", "a CrackFESpace")
     share, (u, v) = V.share, V.TnT()
     mass = BilinearForm(share.Own(u * v * V.body.dx), symmetric=True).Assemble().mat
     function = check_function(function, "Projection: function", V.mesh.dim)

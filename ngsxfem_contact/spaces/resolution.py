@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from ngsolve import VOL, ElementId
 
 from ..arguments import crack_title
 from ..errors import warn
@@ -12,9 +14,14 @@ from ..points import place
 from .tip_disk import largest_disk
 
 if TYPE_CHECKING:
-    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, Tip, TipSpec
+    from collections.abc import Iterable
+
+    from .._ngsxfem_contact import CrackedMesh, CrackedSolid, CrackFESpace, Front, Tip, TipSpec
     from ..material import Isotropic
 
+DEPTH, BLUNT = 1.5, 2  # longest edges between the front of a sheet and its innermost point: with modes, and without
+LIGAMENT = 0.75  # of the longest edge of a face: a front that is nearer to it warns
+SMOOTH = 0.8  # the cosine of the angle between faces of one smooth surface
 CRACK, DISK, ROOM, INCREMENT = 2, 2, 1, 3  # elements: in a crack for each of its tips, in r1, between a tip without functions and what is next, in a new part
 
 
@@ -81,6 +88,75 @@ def coarse_elements(V: CrackFESpace) -> np.ndarray:
             elements = np.array([at.element for at in body.Elements(tip.crack)])
             found.append(elements[element_sizes(body, elements) > spec.r1 / DISK])
     return np.unique(np.concatenate(found))
+
+
+def warn_of_coarse_sheets(body: CrackedSolid, has_modes: bool) -> None:
+    """Sheets of which no point is as far as DEPTH, without modes BLUNT, longest edges of their elements from the nearest front."""
+    least, (element, *_, x, y, z) = DEPTH if has_modes else BLUNT, body.dcrack.Points(4)
+    sheet_of = {cell.element: number for number in range(len(body.cracks)) for cell in body.Elements(number)}
+    of, points = np.array([sheet_of[int(number)] for number in element]), np.column_stack([x, y, z])
+    for number in sorted({front.sheet for front in body.fronts}):
+        fronts, size = [front for front in body.fronts if front.sheet == number], np.median([cell.h for cell in body.Elements(number)])
+        depth = 0.0
+        for point in points[of == number]:
+            depth = max(depth, min(front.Distance(point) for front in fronts))
+            if depth >= least * size:
+                break
+        else:
+            warn(
+                f"sheet {number} reaches {depth:.3g} from its front, {depth / size:.1f} of the longest edges there: with less than {least} it opens and slides too little, by "
+                f"{'20 % and more, with order 2 by some percent and more' if has_modes else '30 % and more, as its front has no modes'}; refine to edges <= {depth / least:.2g} there"
+            )
+
+
+def warn_of_thin_ligaments(body: CrackedSolid) -> None:
+    """Sheets with a front that passes a face of the boundary without an element between; the faces that it ends on do not count."""
+    for number in sorted({front.sheet for front in body.fronts}):
+        fronts = [front for front in body.fronts if front.sheet == number]
+        ends = [np.array(front.PointAt(s)) for front in fronts if not front.closed for s in (0, front.length)]
+        faces = boundary_faces(body, body.FrontElements(number))
+        left = [next((face for face in faces if face.Holds(end)), None) for end in ends]  # through these the front leaves the body
+        beside = [face for face in faces if not any(through and face.Continues(through, end) for through, end in zip(left, ends))]
+        rooms = [(room, *face.middle) for face in beside if (room := face.Distance(fronts)) < LIGAMENT * face.size]
+        if rooms:
+            room, x, y, z = min(rooms)
+            warn(
+                f"the front of sheet {number} passes the boundary of the body at {room:.3g}, near {place((x, y, z))}, with no element between: what holds there is too stiff, "
+                f"by half and more; refine to edges <= {0.5 * room:.2g} there, or let the sheet end on the boundary"
+            )
+
+
+@dataclass
+class BoundaryFace:
+    """A triangle of the boundary, its corners (3, 3), their middle, the unit normal and the longest edge."""
+
+    corners: np.ndarray
+
+    def __post_init__(self) -> None:
+        a, b, c = self.corners
+        normal = np.cross(b - a, c - a)
+        self.middle, self.normal = self.corners.mean(axis=0), normal / np.linalg.norm(normal)
+        self.size = max(np.linalg.norm(edge) for edge in (b - a, c - a, c - b))
+
+    def Holds(self, point: np.ndarray) -> bool:
+        """Whether a point lies in the plane of the triangle and beside its middle."""
+        return bool(abs((point - self.middle) @ self.normal) < 1e-6 * self.size and np.linalg.norm(point - self.middle) < self.size)
+
+    def Distance(self, fronts: list[Front]) -> float:
+        """The least distance of its corners and its middle from fronts."""
+        return min(front.Distance(tuple(point)) for front in fronts for point in (*self.corners, self.middle))
+
+    def Continues(self, other: BoundaryFace, end: np.ndarray) -> bool:
+        """Whether it goes on with the surface of another triangle, in its plane or, near a point, smoothly."""
+        in_plane = np.abs((self.corners - other.middle) @ other.normal).max() < 1e-6 * self.size
+        return bool(in_plane or (abs(self.normal @ other.normal) > SMOOTH and np.linalg.norm(self.middle - end) < 3 * self.size))
+
+
+def boundary_faces(body: CrackedSolid, elements: Iterable[int]) -> list[BoundaryFace]:
+    """The faces of some elements that no other element shares."""
+    mesh = body.mesh
+    faces = [face for number in sorted(elements) for face in mesh[ElementId(VOL, number)].faces if len(mesh[face].elements) == 1]
+    return [BoundaryFace(np.array([mesh[vertex].point for vertex in mesh[face].vertices])) for face in faces]
 
 
 def warn_of_short_increment(body: CrackedMesh, tip: Tip, advance: float) -> bool:

@@ -14,6 +14,7 @@ from ..errors import warn
 from ..material import Elasticity, Isotropic, check_form
 from ..share import Share
 from .flags import check_flags, joined_names
+from .resolution import warn_of_coarse_sheets, warn_of_thin_ligaments
 
 if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedSolid, FrontDemand
@@ -106,7 +107,8 @@ class SolidFESpace(Described, core.SolidFESpace):
     Warns
     -----
     AccuracyWarning
-        Of fronts without a material, and of nodes around fronts without modes, where the crack is held together.
+        Of fronts without a material, of nodes around fronts without modes, where the crack is held together, of sheets that are small against the elements that they cut, and of fronts
+        that pass the boundary without an element between.
 
     Notes
     -----
@@ -143,6 +145,8 @@ class SolidFESpace(Described, core.SolidFESpace):
         super().__init__(body, front.Spec(body, material) if front is not None and has_modes else None, order=order, **flags)
         self.material, self.share = material, Share(mesh=body.mesh)  # of one process: several refuse bodies in space
         warn_of_left_out(self)
+        warn_of_coarse_sheets(body, has_modes)
+        warn_of_thin_ligaments(body)
         self.undecided = list(range(len(body.fronts))) if front is not None and (front.material or material) is None else []
         if self.undecided:
             warn(

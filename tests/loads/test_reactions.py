@@ -9,6 +9,8 @@ from ngsolve import BND, CF, IfPos, Integrate, Mesh, x, y
 from ngsxfem_contact import Crack, CrackedMesh, CrackFESpace, Elasticity, Jump, TipEnrichment, TraceSpace
 from ngsxfem_contact.contact import BarbosaHughes, ContactProblem, Coulomb, LoadSteps, Nitsche
 from ngsxfem_contact.errors import SingularSystem
+from ngsxfem_contact.geometry import Sheet
+from tests.sheets.exact_sheets import cube_mesh
 
 MATERIAL = Elasticity.PlaneStrain(E=3, nu=0.3)
 MESH = rectangle(0.3)
@@ -204,3 +206,19 @@ def test_springs_that_resist_by_round_off_only():
     problem.a += (u * n) * (v * n) * problem.body.ds("bottom|top")
     with pytest.raises(SingularSystem, match="1 rigid motion"):
         problem.Solve()
+
+
+def test_pins_one_above_the_other():
+    """In space: three pins that statics alone loads, of which two differ in z only."""
+    body = CrackedMesh(cube_mesh(0.4), Sheet.Disk((0.5, 0.5, 0.5), (0, 0, 1), 0.3))
+    V = CrackFESpace(body, order=1, front=None, material=Elasticity.Solid(1, 0.3))
+    problem = ContactProblem(V, TraceSpace(body))
+    pins = {(0, 0, 0): "xyz", (0, 0, 1): "xy", (1, 0, 0): "y"}
+    for point, components in pins.items():
+        problem.Pin(point, components)
+    problem.f += CF((1, 0, 0)) * V.TestFunction() * body.dx
+    solution = problem.Solve()
+    exact = [(-0.5, -0.5, 0), (-0.5, 0, 0), (0, 0.5, 0)]
+    for point, force in zip(pins, exact):
+        assert solution.Reaction(point) == pytest.approx(force, abs=1e-10)
+    assert [row.name for row in solution.Reactions()] == ["pin at (0, 0, 0)", "pin at (0, 0, 1)", "pin at (1, 0, 0)"]

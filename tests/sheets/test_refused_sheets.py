@@ -27,7 +27,7 @@ CIRCLE = DISK.loops[0]
         (lambda: Sheet.Disk("here", (0, 0, 1), 1), ValueError, "no vector"),
         (lambda: Sheet.Ring((0, 0, 0), (0, 0, 1), 1, 0.5), ValueError, "larger than inner=1"),
         (lambda: Sheet.Ellipse((0, 0, 0), (1, 0, 0), (1, 1, 0)), ValueError, "not perpendicular"),
-        (lambda: Sheet.Ellipse((0, 0, 0), (1, 0, 0), (0, 1e-5, 0)), ValueError, "ratio below 1000"),
+        (lambda: Sheet.Ellipse((0, 0, 0), (1, 0, 0), (0, 3e-3, 0)), ValueError, "ratio below 300"),
         (lambda: Sheet.Polygon([(0, 0, 0), (1, 0, 0)]), ValueError, "three or more"),
         (lambda: Sheet.Polygon([(0, 0, 0), (1, 0, 0), (2, 0, 0)]), ValueError, "on a line"),
         (lambda: Sheet.Polygon([(0, 0, 0), (1, 0, 0), (1, 1, 0.1), (0, 1, 0)]), ValueError, "only planar sheets"),
