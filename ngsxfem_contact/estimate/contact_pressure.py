@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ngsolve import IfPos, Integrate
+from ngsolve import CF, GridFunction, IfPos, Integrate
 
 from ..algebra.matrices import mask
 from ..arguments import crack_number
 from ..fracture.tip_integral import elements_within
 from ..operators import NORMAL, NormalGap
+from ..points import crack_points
+from ..spaces.trace_space import TraceSpace
 from .contact_defect import stiffness_of_plane
 from .goals import moments
 
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from .error_estimate import ErrorEstimate
 
 NEAR = 0.25  # of the radius r1 of a tip's functions
+TOUCHING = 1e-10  # of the largest pressure: what counts as contact
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,8 @@ class ContactPressure:
         return float(np.sqrt(self._square(solution, solution.multiplier)))
 
     def Squares(self, estimate: ErrorEstimate) -> np.ndarray:
-        """(number of triangles,): ∫(λ_h - min(0, σ_n(u_h) + k (g_n + g_0)))² over the crack in each, and of what e changes of λ_h its share of the error in the energy norm.
+        """(number of triangles,): ∫(λ_h - min(0, σ_n(u_h) + k (g_n + g_0)))² over the crack in each and what λ_h lacks where contact ends; and of what e changes of λ_h its share of
+        the error in the energy norm.
 
         Raises
         ------
@@ -58,7 +62,8 @@ class ContactPressure:
         solution = estimate.solution
         pulled = solution.Traction(NORMAL, "larger") + stiffness_of_plane(solution) * (NormalGap(solution.u, solution.body) + solution.problem.gap)
         distance = solution.multiplier - IfPos(pulled, 0, pulled)
-        of_faces, change = estimate.OfCracks(distance * distance, self._number(solution)), self._square(solution, self._change(estimate))
+        of_faces = estimate.OfCracks(distance * distance + at_edges(solution), self._number(solution))
+        change = self._square(solution, self._change(estimate))
         return over_disks(of_faces + shares(estimate.squares, change), estimate)
 
     def _change(self, estimate: ErrorEstimate) -> CoefficientFunction:
@@ -73,6 +78,22 @@ class ContactPressure:
 
     def _number(self, solution: ContactSolution) -> int | None:
         return None if self.crack is None else crack_number(self.crack, solution.body)
+
+
+def at_edges(solution: ContactSolution) -> CoefficientFunction:
+    """a²/30 on each interval on which λ_h falls from a to 0, where λ may fall like a square root: ∫₀¹ (√τ - τ)² dτ = 1/30. 0 for constant multipliers, whose steps are seen."""
+    W, body = solution.problem.W, solution.body
+    if W.order == 0:
+        return CF(0)
+    constants = TraceSpace(body, order=0, nodes=W.basis.division)
+    density, nodes, least = GridFunction(constants), constants.nodes, TOUCHING * np.abs(solution.multiplier.vec.FV().NumPy()).max(initial=0)
+    for crack, ends in enumerate(W.basis.division):
+        values = np.abs(np.ravel(solution.multiplier(crack_points(body, crack, ends))))
+        falls = np.diff(values > least) != 0
+        squares = np.where(falls, np.maximum(values[:-1], values[1:]) ** 2 / 30, 0)
+        mine = nodes.cracks == crack
+        density.vec.FV().NumPy()[mine] = squares[np.searchsorted(ends, nodes.arclengths[mine]) - 1]
+    return density
 
 
 def over_disks(squares: np.ndarray, estimate: ErrorEstimate) -> np.ndarray:

@@ -127,7 +127,7 @@ def test_the_response_of_the_multipliers_to_gaps(name):
 @pytest.mark.parametrize("pair", ["P2/P1", "P1/P1", "P2/P0"])
 def test_the_error_of_the_pressure(pair):
     """Beside the true one, at a transition, where it is that of λ_h alone, and at a closed tip; parts of the cracks add up."""
-    for exact, through, most in ((cf.contact_transition(MATERIAL), True, 2.5), (cf.slipping_tip(MATERIAL), False, 4)):
+    for exact, through, most in ((cf.contact_transition(MATERIAL), True, 3), (cf.slipping_tip(MATERIAL), False, 4)):
         solution = rotated_problem(exact, PAIRS[pair], 0.08, tip=None if through else TIP, through=through).Solve()
         estimate = solution.ErrorEstimate()
         found = estimate.Goal(ContactPressure())
