@@ -12,11 +12,16 @@ MARGIN = 0.12  # of tips and kinks from the boundary; the bodies have a diameter
 
 def polygon_mesh(corners, maxh):
     """Unstructured; boundaries "side0", "side1", ..."""
+    return Mesh(polygon_geometry(corners).GenerateMesh(maxh=maxh))
+
+
+def polygon_geometry(corners):
+    """Of polygon_mesh."""
     geometry = SplineGeometry()
     points = [geometry.AppendPoint(*map(float, p)) for p in corners]
     for i in range(len(points)):
         geometry.Append(["line", points[i], points[(i + 1) % len(points)]], bc=f"side{i}")
-    return Mesh(geometry.GenerateMesh(maxh=maxh))
+    return geometry
 
 
 def refine_towards(mesh, point, levels=2):
@@ -109,11 +114,14 @@ def is_inside(point, segments):
 
 
 def moved_square(angle, offset, maxh):
-    """The same mesh of the unit square around the origin each time, turned and shifted."""
-    ngmesh = polygon_mesh([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)], maxh).ngmesh
+    """The same mesh of the unit square around the origin each time, turned and shifted, and its geometry, onto which a refinement puts points of the boundary."""
+    corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+    ngmesh = polygon_mesh(corners, maxh).ngmesh
     c, s = np.cos(angle), np.sin(angle)
+    moved = lambda x, y: (c * x - s * y + offset[0], s * x + c * y + offset[1])
     for p in ngmesh.Points():
-        p[0], p[1] = c * p[0] - s * p[1] + offset[0], s * p[0] + c * p[1] + offset[1]
+        p[0], p[1] = moved(p[0], p[1])
+    ngmesh.SetGeometry(polygon_geometry([moved(*corner) for corner in corners]))
     return Mesh(ngmesh)
 
 

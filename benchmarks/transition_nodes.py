@@ -28,10 +28,13 @@ class Transition:
         self.boundary, self.length, self.edge = boundary, right - left, -left
         self.of_mesh = np.array(TraceSpace(self.body).basis.division[0])
 
-    def Solve(self, nodes):
-        problem = ContactProblem(self.V, TraceSpace(self.body, nodes=list(nodes)))
+    def Problem(self, nodes=None):
+        problem = ContactProblem(self.V, TraceSpace(self.body, nodes=nodes))
         problem.SetDirichlet(EXACT.u, self.boundary)
-        return problem.Solve()
+        return problem
+
+    def Solve(self, nodes):
+        return self.Problem(list(nodes)).Solve()
 
     def Even(self, spacing=None):
         """Equal intervals, as many as the mesh has, or of about a spacing."""

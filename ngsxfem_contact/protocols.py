@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .contact.problem import ContactProblem
     from .contact.report import Report
     from .contact.solution import ContactSolution
+    from .estimate.error_estimate import ErrorEstimate
     from .fracture.initiation import NewCrack
     from .fracture.stress_intensity import StressIntensityFactors
     from .material import Isotropic
@@ -192,6 +193,16 @@ class Goal(Protocol):
 
     def OfMultipliers(self, solution: "ContactSolution") -> list[np.ndarray]:
         """(W.ndof,) for each component of the multipliers: ∂J/∂λ, and with friction ∂J/∂λ_t, for the functions of W."""
+
+
+class Norm(Protocol):
+    """A norm of the error, in place of a quantity."""
+
+    def Value(self, solution: "ContactSolution") -> float:
+        """The norm of the solution, to which its error is relative."""
+
+    def Squares(self, estimate: "ErrorEstimate") -> np.ndarray:
+        """(number of triangles,): what each adds to the square of the norm of the error."""
 
 
 class GrowthCriterion(Protocol):

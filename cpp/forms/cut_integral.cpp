@@ -128,9 +128,15 @@ namespace ngsxfem_contact
 
       void CalcSIMD (const FiniteElement & fel, const ElementTransformation & trafo, const SIMD_IntegrationRule & ir, FlatVector<double> elvec, LocalHeap & lh) const
       {
+        elvec = 0;
+        for (size_t first = 0; first < ir.Size(); first += points_at_once)
+          AddSIMD(fel, trafo, ir.Range(first, std::min(first+points_at_once, ir.Size())), elvec, lh);
+      }
+
+      void AddSIMD (const FiniteElement & fel, const ElementTransformation & trafo, const SIMD_IntegrationRule & ir, FlatVector<double> elvec, LocalHeap & lh) const
+      {
         HeapReset hr(lh);
         auto & mir = trafo(ir, lh);
-        elvec = 0;
         EvaluateForm(trafo, mir, ir.GetNIP(), [&] (ProxyFunction * proxy, ProxyUserData & ud)
         {
           FlatMatrix<SIMD<double>> values(proxy->Dimension(), ir.Size(), lh);
@@ -146,9 +152,15 @@ namespace ngsxfem_contact
 
       void CalcScalar (const FiniteElement & fel, const ElementTransformation & trafo, const IntegrationRule & ir, FlatVector<double> elvec, LocalHeap & lh) const
       {
+        elvec = 0;
+        for (size_t first = 0; first < ir.Size(); first += points_at_once)
+          AddScalar(fel, trafo, ir.Range(first, std::min(first+points_at_once, ir.Size())), elvec, lh);
+      }
+
+      void AddScalar (const FiniteElement & fel, const ElementTransformation & trafo, const IntegrationRule & ir, FlatVector<double> elvec, LocalHeap & lh) const
+      {
         HeapReset hr(lh);
         auto & mir = trafo(ir, lh);
-        elvec = 0;
         EvaluateForm(trafo, mir, ir.Size(), [&] (ProxyFunction * proxy, ProxyUserData & ud)
         {
           HeapReset hr(lh);

@@ -1,4 +1,7 @@
-"""The adjoint of a solved problem: how quantities that are linear in (U, L) change with the right-hand sides of (38), with the states that were found: section 17 of docs/method.md."""
+"""A solved problem, linearised with the states that were found: how multipliers, and quantities that are linear in (U, L), change with the right-hand sides of (38).
+
+Section 17 of docs/method.md.
+"""
 
 from __future__ import annotations
 
@@ -32,20 +35,32 @@ def adjoint(reduced: ReducedProblem, solution: ContactSolution, J_u: np.ndarray,
     ValueError
         For laws of the faces that hold node by node, and for parts that only the faces hold.
     """
-    problem, system, elimination = reduced.problem, reduced.system, reduced.elimination
-    if hasattr(problem.law, "softening") or len(reduced.motions):
-        raise ValueError(
-            f"Goal: the law {problem.law} is not linearised, nor are parts of the body that only the faces hold; the error of a goal is told for contact, Tresca and Coulomb"
-        )
-    T, _ = reduced.Signs(solution.state.cone)
-    N, M = tangent_space(solution)
+    system, elimination = reduced.system, reduced.elimination
+    TN, TM = free_multipliers(reduced, solution)
     size = len(system.distribution.T @ np.zeros(system.C.shape[0]))
     forces = elimination.Reduce(np.where(elimination.fixed, 0, J_u))
     compliance = system.distribution.T @ elimination.S[:, :size] + system.D.T.toarray()
-    TN, TM = T @ N, T @ M
     right = TN.T @ (J_L + system.distribution.T @ forces.crack)
     zeta = -TM @ np.linalg.solve(TN.T @ compliance @ TM, right) if TN.shape[1] else np.zeros(size)
     return elimination.Recover(forces, np.concatenate([zeta, np.zeros(system.C.shape[0] - size)])), zeta
+
+
+def response(reduced: ReducedProblem, solution: ContactSolution, G: np.ndarray) -> np.ndarray:
+    """The L of the linear problem with a right-hand side G of the second row of (38) alone: Mᵀ Tᵀ (S L - G) = 0, L = T N q. Raises ValueError as `adjoint`."""
+    TN, TM = free_multipliers(reduced, solution)
+    return TN @ np.linalg.solve(TM.T @ reduced.S @ TN, TM.T @ G) if TN.shape[1] else np.zeros(len(G))
+
+
+def free_multipliers(reduced: ReducedProblem, solution: ContactSolution) -> tuple[Matrix, Matrix]:
+    """(T N, T M) of `adjoint`. Raises ValueError for what is not linearised."""
+    law = reduced.problem.law
+    if hasattr(law, "softening") or len(reduced.motions):
+        raise ValueError(
+            f"Goal: the law {law} is not linearised, nor are parts of the body that only the faces hold; the error of a goal is told for contact, Tresca and Coulomb"
+        )
+    T, _ = reduced.Signs(solution.state.cone)
+    N, M = tangent_space(solution)
+    return T @ N, T @ M
 
 
 def tangent_space(solution: ContactSolution) -> tuple[Matrix, Matrix]:

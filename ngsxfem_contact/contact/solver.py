@@ -10,7 +10,7 @@ from ..algebra.elimination import Elimination, ReducedVector, check_inverse
 from ..algebra.matrices import added, congruent, product
 from ..protocols import Cone
 from ..spaces.unknowns import Unknowns
-from .adjoint import adjoint
+from .adjoint import adjoint, response
 from .assembled import AssembledProblem, NodalSolution, multipliers
 from .checks import check_coercive, check_multiplier
 from .faces import FaceHistory, Faces
@@ -78,6 +78,10 @@ class ReducedProblem(AssembledProblem):
         """z and ζ as functions of W, see `adjoint`, for the derivatives of a quantity by the functions of V and, for each component, of W."""
         z, zeta = adjoint(self, solution, J_u, np.concatenate([self.system.OfFunction(moments) for moments in J_L]))
         return z, multipliers(self.problem, self.system, zeta)
+
+    def Response(self, solution: ContactSolution, gaps: list[np.ndarray]) -> list[GridFunction]:
+        """What the multipliers change, as functions of W, where gaps and slips grow by others: `response`, gaps for each component ∫ψ_i times that."""
+        return multipliers(self.problem, self.system, response(self, solution, np.concatenate([self.system.OfFunction(moments) for moments in gaps])))
 
     def Displacement(self, L: np.ndarray, case: ReducedCase | None = None, alpha: np.ndarray | None = None) -> np.ndarray:
         """U for a multiplier L and rigid motions: one back-substitution."""

@@ -2,8 +2,21 @@
 
 from .adaptive import AdaptiveSolution, SolveAdaptive
 from .contact_edge import ContactEdge
+from .contact_pressure import ContactPressure
 from .error_estimate import ErrorEstimate
 from .goal_estimate import GoalEstimate
 from .goals import ContactForce, Displacement, StressIntensityFactor
+from .norm_estimate import NormEstimate
 
-__all__ = ["SolveAdaptive", "AdaptiveSolution", "ErrorEstimate", "GoalEstimate", "StressIntensityFactor", "ContactForce", "ContactEdge", "Displacement"]
+__all__ = [
+    "SolveAdaptive",
+    "AdaptiveSolution",
+    "ErrorEstimate",
+    "GoalEstimate",
+    "NormEstimate",
+    "StressIntensityFactor",
+    "ContactForce",
+    "ContactEdge",
+    "ContactPressure",
+    "Displacement",
+]

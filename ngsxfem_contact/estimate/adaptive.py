@@ -17,9 +17,9 @@ from ..arguments import check_number, check_positive, check_type, check_whole
 from ..description import Described
 from ..errors import AccuracyWarning, SolveError, TooCoarse, warn
 from ..fracture.tip_integral import elements_within
-from ..protocols import Goal, check_role
 from ..spaces.resolution import coarse_elements
 from ..tables import Table
+from .norm_estimate import is_norm
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from ..contact.problem import ContactProblem
     from ..contact.solution import ContactSolution
     from ..description import Lines
+    from ..protocols import Goal, Norm
     from .error_estimate import ErrorEstimate
     from .goal_estimate import GoalEstimate
+    from .norm_estimate import NormEstimate
 
 logger = logging.getLogger(__name__)
 
@@ -47,7 +49,7 @@ class Level:
     level, triangles, unknowns
         The mesh and the displacements on it.
     value, error, bar
-        Of the goal, see GoalEstimate; nan without a goal.
+        Of the goal, see GoalEstimate and NormEstimate; nan where there is none.
     energy
         The error in the energy norm, relative.
     relative
@@ -81,7 +83,7 @@ class AdaptiveSolution(Described):
     estimate
         Its ErrorEstimate.
     quantity
-        The GoalEstimate, or None without a goal.
+        The GoalEstimate or NormEstimate of the goal, or None without one.
     reached
         Whether the error is below the tolerance.
     reason
@@ -92,7 +94,7 @@ class AdaptiveSolution(Described):
 
     solution: ContactSolution
     estimate: ErrorEstimate
-    quantity: GoalEstimate | None
+    quantity: GoalEstimate | NormEstimate | None
     reached: bool
     reason: str
     levels: list[Level] = field(repr=False)
@@ -122,7 +124,7 @@ class AdaptiveSolution(Described):
 def SolveAdaptive(
     make_problem: Callable[[Mesh], ContactProblem],
     mesh: Mesh,
-    goal: Goal | None = None,
+    goal: Goal | Norm | None = None,
     tolerance: float = 0.01,
     max_unknowns: int = 200_000,
     max_levels: int = 40,
@@ -138,7 +140,8 @@ def SolveAdaptive(
     mesh : Mesh
         The first one. A copy of it is refined.
     goal
-        The quantity whose error counts, such as StressIntensityFactor("K_I"), an object with the role Goal; default the energy norm.
+        What must be right: a quantity such as StressIntensityFactor("K_I"), an object with the role Goal, or a norm such as ContactPressure(), one with the role
+        Norm; default the energy norm.
     tolerance
         Of the bar of the goal over |value|, or of the error in the energy norm over that of u_h; 0.01 is one percent.
     max_unknowns, max_levels
@@ -179,7 +182,7 @@ class Refinement:
 
     make_problem: Callable[[Mesh], ContactProblem]
     first: Mesh
-    goal: Goal | None
+    goal: Goal | Norm | None
     tolerance: float
     max_unknowns: int
     max_levels: int
@@ -191,7 +194,7 @@ class Refinement:
         if not callable(self.make_problem):
             raise TypeError(f"SolveAdaptive: make_problem={self.make_problem!r} is not a function of a mesh that returns a ContactProblem")
         if self.goal is not None:
-            check_role(self.goal, Goal, "SolveAdaptive: goal", "an object such as StressIntensityFactor('K_I')")
+            is_norm(self.goal, "SolveAdaptive: goal")
         check_positive(self.tolerance, "SolveAdaptive: tolerance")
         check_whole(self.max_unknowns, "SolveAdaptive: max_unknowns", 1)
         check_whole(self.max_levels, "SolveAdaptive: max_levels", 1)
@@ -201,7 +204,7 @@ class Refinement:
         self.order = self.first.GetCurveOrder()
         self.mesh = Mesh(self.first.ngmesh.Copy())
         self.levels: list[Level] = []
-        self.found: tuple[ContactSolution, ErrorEstimate, GoalEstimate | None] | None = None
+        self.found: tuple[ContactSolution, ErrorEstimate, GoalEstimate | NormEstimate | None] | None = None
 
     def Run(self) -> AdaptiveSolution:
         """Level by level."""
@@ -274,7 +277,7 @@ class Refinement:
             except TooCoarse as refusal:
                 row.relative, row.state = float("nan"), f"refined: {refusal}"
                 return mask(elements_within(self.mesh, refusal.point, refusal.radius)), row
-            row.value, row.error, row.bar = quantity.value, quantity.error, quantity.bar
+            row.value, row.error, row.bar = quantity.value, getattr(quantity, "error", row.error), quantity.bar
             row.relative = quantity.bar / (self.scale or max(abs(quantity.value), np.finfo(float).tiny))
             indicators = quantity.elements
         self.found = solution, estimate, quantity

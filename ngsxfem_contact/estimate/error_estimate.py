@@ -11,12 +11,12 @@ from ngsolve import L2, CoefficientFunction, LinearForm
 
 from ..description import Described
 from ..points import place
-from ..protocols import Goal, check_role
 from ..sheets import check_plane
 from ..spaces.incompressible import stress_power
 from .contact_defect import contact_defect
 from .goal_estimate import GoalEstimate
 from .next_order import NextOrder
+from .norm_estimate import NormEstimate, is_norm
 
 if TYPE_CHECKING:
     from typing import Any
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..contact.problem import ContactProblem
     from ..contact.solution import ContactSolution
     from ..description import Lines
+    from ..protocols import Goal, Norm
 
 SMOOTH, SINGULAR = 1.5, 0.5  # exponents of r in u that the polynomials have to approximate: beside tip functions, and without them
 
@@ -76,21 +77,21 @@ class ErrorEstimate(Described):
             *(("note", note) for note in self.notes),
         ]
 
-    def Goal(self, goal: Goal) -> GoalEstimate:
-        """How far a quantity is off: a GoalEstimate, by a dual problem on the factors of the solve.
+    def Goal(self, goal: Goal | Norm) -> GoalEstimate | NormEstimate:
+        """How far a quantity is off: a GoalEstimate, by a dual problem on the factors of the solve; or how large a norm of the error is, a NormEstimate.
 
         Parameters
         ----------
         goal
-            StressIntensityFactor("K_I", tip), ContactForce(crack), ContactEdge(crack, number), Displacement(region, component), or an object with the role Goal.
+            StressIntensityFactor("K_I", tip), ContactForce(crack), ContactEdge(crack, number), Displacement(region, component), or an object with the role Goal;
+            ContactPressure(crack), or an object with the role Norm.
 
         Raises
         ------
         ValueError
             For laws of the faces that hold node by node, parts that only the faces hold, and nearly incompressible materials.
         """
-        check_role(goal, Goal, "Goal: goal", "an object such as StressIntensityFactor('K_I')")
-        return GoalEstimate(self, goal)
+        return NormEstimate(self, goal) if is_norm(goal, "Goal: goal") else GoalEstimate(self, goal)
 
     @property
     def energy(self) -> float:
@@ -134,16 +135,18 @@ class ErrorEstimate(Described):
         space = self.next_order.space
         return self._by_element(density, self.solution.body.dx(space=space, bonus_intorder=2 * space.order))
 
-    def OfCracks(self, density: CoefficientFunction) -> np.ndarray:
+    def OfCracks(self, density: CoefficientFunction, crack: int | None = None) -> np.ndarray:
         """(number of triangles,): integrals over the cracks in each.
 
         Parameters
         ----------
         density : CoefficientFunction
             What is integrated.
+        crack : int or None
+            The number of one of them; None: all.
         """
         problem = self.solution.problem
-        return self._by_element(density, problem.W.dcrack(bonus_intorder=2 * problem.V.order + 2))
+        return self._by_element(density, problem.W.dcrack(crack=crack, bonus_intorder=2 * problem.V.order + 2))
 
     def _by_element(self, density: CoefficientFunction, measure: Any) -> np.ndarray:
         constants = L2(self.solution.body.mesh, order=0)

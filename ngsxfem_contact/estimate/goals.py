@@ -17,6 +17,7 @@ from ..operators import NORMAL, Gradient
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from typing import Any
 
     from ngsolve import CoefficientFunction
 
@@ -27,10 +28,10 @@ FACTORS = ("K_I", "K_II")
 BONUS = 6  # orders of integration beside those of the functions
 
 
-def moments(solution: ContactSolution, density: CoefficientFunction, crack: int) -> np.ndarray:
-    """∫ density ψ_i over a crack, for the functions of W."""
+def moments(solution: ContactSolution, density: CoefficientFunction, crack: int | None = None, **options: Any) -> np.ndarray:
+    """∫ density ψ_i over a crack, or all, for the functions of W; options: of the measure."""
     W = solution.problem.W
-    return LinearForm(density * W.TestFunction() * W.dcrack(crack=crack, bonus_intorder=BONUS)).Assemble().vec.FV().NumPy().copy()
+    return LinearForm(density * W.TestFunction() * W.dcrack(crack=crack, bonus_intorder=BONUS, **options)).Assemble().vec.FV().NumPy().copy()
 
 
 @dataclass(frozen=True)

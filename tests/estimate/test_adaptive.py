@@ -8,10 +8,11 @@ from ngsolve import CF, Integrate, Mesh, dx
 
 from ngsxfem_contact import ContactProblem, Crack, CrackedMesh, CrackFESpace, SolveError, TraceSpace
 from ngsxfem_contact.errors import AccuracyWarning
-from ngsxfem_contact.estimate import Displacement, SolveAdaptive, StressIntensityFactor
+from ngsxfem_contact.estimate import ContactPressure, Displacement, SolveAdaptive, StressIntensityFactor
 from ngsxfem_contact.estimate.adaptive import worst
 from ngsxfem_contact.exact import closed_forms as cf
 from ngsxfem_contact.exact.fracture_solutions import infinite_plate
+from ngsxfem_contact.points import mesh_arrays
 from study.shapes import SHAPES, body_mesh, shape_problem
 
 
@@ -65,6 +66,28 @@ def test_the_energy_falls_like_one_over_the_unknowns():
     rate = np.polyfit(np.log(levels["unknowns"]), np.log(levels["energy"]), 1)[0]
     assert -1.3 < rate < -0.9 and not found.reached
     assert abs(found.solution.Energy() / SHAPES["kinked"].energy - 1) < 2 * levels["energy"][-1] ** 2 + 1e-3
+
+
+def test_the_pressure_to_a_tolerance():
+    """(d) to half a percent of λ: triangles become small where contact ends, not where λ is smooth, and the true error is within the bar."""
+    exact = cf.contact_transition(MATERIAL)
+    angle, offset = cf.position(3)
+    crack = cf.crack_on_axis(*cf.mouths(angle, offset))
+
+    def make_problem(mesh):
+        body = CrackedMesh(mesh, crack)
+        problem = ContactProblem(CrackFESpace(body, order=2, material=MATERIAL, tip=None, dirichlet="outer"), TraceSpace(body, order=1))
+        problem.SetDirichlet(exact.u, "outer")
+        return problem
+
+    found = SolveAdaptive(make_problem, cf.rotated_square(angle, offset, 0.12), ContactPressure(), tolerance=5e-3)
+    assert found.reached and np.isnan(found.table["error"]).all() and found.quantity.goal == ContactPressure()
+    assert cf.pressure_error(found.solution, exact) < 1.5 * found.quantity.bar < 1.5 * 5e-3 * found.quantity.value
+    vertices, triangles = mesh_arrays(found.solution.body.mesh)
+    centres = vertices[triangles].mean(axis=1)
+    sizes = np.linalg.norm(vertices[triangles[:, 0]] - vertices[triangles[:, 1]], axis=1)
+    at = lambda point: sizes[np.linalg.norm(centres - point, axis=1).argmin()]
+    assert 3 * at((0, 0)) < min(at((-0.3, 0)), at((0.3, 0)))
 
 
 def test_curved_boundaries_stay_curved():

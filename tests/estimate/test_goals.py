@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 from helpers import MATERIAL, rectangle, rotated_problem
-from ngsolve import CF, LinearForm, x
+from ngsolve import CF, Integrate, LinearForm, x
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, LoadCase, LoadSteps, Nitsche, TipEnrichment, TraceSpace, Tresca
+from ngsxfem_contact.algebra.matrices import mask
 from ngsxfem_contact.contact import Joint
-from ngsxfem_contact.estimate import ContactEdge, ContactForce, Displacement, StressIntensityFactor
+from ngsxfem_contact.estimate import ContactEdge, ContactForce, ContactPressure, Displacement, StressIntensityFactor
+from ngsxfem_contact.estimate.contact_pressure import NEAR, over_disks
+from ngsxfem_contact.estimate.goals import moments
 from ngsxfem_contact.exact import closed_forms as cf
+from ngsxfem_contact.fracture.tip_integral import elements_within
 from study.paper import PAIRS
 from study.shapes import SHAPES, body_mesh, shape_problem
 
@@ -103,14 +107,69 @@ def test_displacements_of_a_body_without_contact_against_a_finer_order():
         assert abs(true - found.corrected) < 0.4 * abs(true - found.value) and abs(true - found.value) < found.bar
 
 
+@pytest.mark.parametrize("name", LAWS)
+def test_the_response_of_the_multipliers_to_gaps(name):
+    """d/dt of λ for an initial gap t f, beside differences with the same states."""
+    step, found = 1e-8, []
+    for t in (-step, 0, step):
+        problem = problem_of(**LAWS[name])
+        problem.gap = 1e-4 + t * (1 + x)
+        found.append(problem.Solve())
+    assert len({tuple(solution.report.active[-1]) for solution in found}) == 1
+    slopes = (found[2].multiplier.vec.FV().NumPy() - found[0].multiplier.vec.FV().NumPy()) / (2 * step)
+    gaps = [moments(found[1], 1 + x), *[np.zeros(found[1].problem.W.ndof)] * (len(found[1].problem.law.components) - 1)]
+    response = found[1].reduced.Response(found[1], gaps)[0].vec.FV().NumPy()
+    assert np.abs(slopes).max() > 0.1
+    tolerance = 0.1 if name == "Nitsche" else 1e-4  # whose gaps at points are those of their projection onto W
+    assert np.abs(response - slopes).max() < tolerance * np.abs(slopes).max()
+
+
+@pytest.mark.parametrize("pair", ["P2/P1", "P1/P1", "P2/P0"])
+def test_the_error_of_the_pressure(pair):
+    """Beside the true one, at a transition, where it is that of λ_h alone, and at a closed tip; parts of the cracks add up."""
+    for exact, through, most in ((cf.contact_transition(MATERIAL), True, 3), (cf.slipping_tip(MATERIAL), False, 4)):
+        solution = rotated_problem(exact, PAIRS[pair], 0.08, tip=None if through else TIP, through=through).Solve()
+        estimate = solution.ErrorEstimate()
+        found = estimate.Goal(ContactPressure())
+        true = cf.pressure_error(solution, exact)
+        assert 0.7 * true < found.bar < most * true
+        assert found.value == pytest.approx(np.sqrt(Integrate(solution.multiplier**2 * solution.body.dcrack, solution.body.mesh)))
+        assert found.elements.min() >= 0 and np.sqrt(found.elements.sum()) == found.bar == estimate.Goal(ContactPressure(0)).bar
+        assert "contact pressure" in repr(found)
+
+
+def test_what_a_tip_has_of_the_error_of_the_pressure_is_spread_over_its_disk():
+    solution = rotated_problem(cf.slipping_tip(MATERIAL), PAIRS["P2/P1"], 0.08, tip=TIP).Solve()
+    estimate, (tip,), (spec,) = solution.ErrorEstimate(), solution.body.tips, solution.problem.V.tip_specs
+    near, disk = (mask(elements_within(solution.body.mesh, tip.point, radius)) for radius in (NEAR * spec.r1, spec.r1))
+    squares = np.where(near, 1.0, 2.0)
+    spread = over_disks(squares, estimate)
+    assert spread.sum() == pytest.approx(squares.sum()) and np.all(spread[~disk] == 2)
+    added = spread[disk] - np.where(near, 0, 2)[disk]
+    assert added == pytest.approx(near.sum() * estimate.squares[disk] / estimate.squares[disk].sum())
+
+
+def test_the_pressure_of_open_and_of_single_cracks():
+    """Each of two cracks has its own error; where faces are open λ_h = 0 is right."""
+    two = shape_problem("two-cracks", body_mesh(0.1)).Solve().ErrorEstimate()
+    each, both = [two.Goal(ContactPressure(crack)) for crack in (0, 1)], two.Goal(ContactPressure())
+    assert both.bar == pytest.approx(np.hypot(each[0].bar, each[1].bar)) and each[0].bar > 0 < each[1].bar
+    open_crack = problem_of(load=2).Solve().ErrorEstimate().Goal(ContactPressure())
+    assert open_crack.value == 0 and open_crack.bar < 0.01 * 0.2  # of the traction, what is left at the tip
+
+
 def test_refusals():
     with pytest.raises(ValueError, match="is not one of"):
         StressIntensityFactor("K")
     with pytest.raises(ValueError, match="neither 'x' nor 'y'"):
         Displacement("top", "z")
     joint = problem_of(law=Joint(1, 1)).Solve().ErrorEstimate()
-    with pytest.raises(ValueError, match="is not linearised"):
-        joint.Goal(ContactForce())
+    for goal in (ContactForce(), ContactPressure()):
+        with pytest.raises(ValueError, match="is not linearised"):
+            found = joint.Goal(goal)
+            found.bar
+    with pytest.raises(ValueError, match="no crack 3"):
+        joint.Goal(ContactPressure(3))
     estimate = problem_of().Solve().ErrorEstimate()
     with pytest.raises(TypeError, match="neither an object such as"):
         estimate.Goal("K_I")

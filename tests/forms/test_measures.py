@@ -232,6 +232,20 @@ def test_coefficients_without_simd():
         assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
+def test_rules_of_many_points_in_linear_forms():
+    """50,000 points in an element, and a function of 80 steps: as the integral, and as from values at points."""
+    mesh = rectangle(0.5)
+    body = CrackedMesh(mesh, Crack([(0, 0.52), (0.51, 0.52)]))
+    measure = body.dx(space=CrackFESpace(body, order=1, tip=TipEnrichment(r1=0.3, tolerance=1e-12, functions="branch")), bonus_intorder=60)
+    assert np.bincount(measure.Points(62)[0]).max() > 40_000
+    f = x
+    for _ in range(80):
+        f = x + y * f
+    test = ngsolve.L2(mesh, order=0).TestFunction()
+    assert vector(f * test * measure).sum() == pytest.approx(Integrate(f * measure, mesh), rel=1e-11)
+    assert vector(voxels() * test * measure).sum() == pytest.approx(3.5, rel=1e-11)
+
+
 def test_frame_at_points():
     """In an element of a crack that crack's, elsewhere that of the nearest crack."""
     for crack, d in ((0, 0.05), (1, -0.05)):

@@ -24,7 +24,7 @@ from ngsxfem_contact.contact.cones import CONES
 from ngsxfem_contact.contact.friction import Frictionless
 from ngsxfem_contact.contact.nodal_law import LawByCrack
 from ngsxfem_contact.contact.stabilisation import Unstabilised
-from ngsxfem_contact.estimate import ContactEdge, ContactForce, Displacement, StressIntensityFactor
+from ngsxfem_contact.estimate import ContactEdge, ContactForce, ContactPressure, Displacement, StressIntensityFactor
 from ngsxfem_contact.exact.closed_forms import crack_on_axis, mouths, open_tip, pressure_error, rotated_square, uniform_compression, uniform_stress
 from ngsxfem_contact.operators import NORMAL
 from ngsxfem_contact.share import Share
@@ -66,7 +66,7 @@ def added(name):
     return names[name]
 
 
-@pytest.mark.parametrize("role", ["Stabilisation", "CompleteStabilisation", "FaceLaw", "TipFunctions", "Goal", "Cone", "DirectSolver"])
+@pytest.mark.parametrize("role", ["Stabilisation", "CompleteStabilisation", "FaceLaw", "TipFunctions", "Goal", "Norm", "Cone", "DirectSolver"])
 def test_the_members_of_roles_are_those_of_the_protocols(role):
     """Names and arguments; a complete stabilisation lists what it has beside."""
     text = (DOCS / "extending.md").read_text(encoding="utf-8")
@@ -100,6 +100,7 @@ def test_the_members_of_roles_are_those_of_the_protocols(role):
         ),
         (protocols.TipFunctions, [TipEnrichment(), added("HalfTheRoom")(MATERIAL)]),
         (protocols.Goal, [StressIntensityFactor("K_I"), ContactForce(), ContactEdge(), Displacement("top"), added("Opening")()]),
+        (protocols.Norm, [ContactPressure(), added("EnergyNormIn")("")]),
         (protocols.Cone, [*CONES.values()]),
         (protocols.DirectSolver, [PartialFactorisation, BackSubstitution, Pardiso]),
     ],
@@ -198,6 +199,15 @@ def test_the_goal_that_is_added_works():
     assert goal.OfDisplacement(solution, solution.problem.V) @ solution.u.vec.FV().NumPy() == pytest.approx(found.value, rel=1e-9)
     true = 16 / (3 * MATERIAL.E_prime * np.sqrt(2 * np.pi)) * solution.body.cracks[0].length ** 1.5
     assert abs(true - found.value) < found.bar < 1e-2 * found.value
+
+
+def test_the_norm_that_is_added_works():
+    """Over the whole mesh it is the energy norm, over no region 0."""
+    estimate = rotated_problem(open_tip(MATERIAL), PAIRS["P2/P1"], 0.1, tip=TipEnrichment(material=MATERIAL)).Solve().ErrorEstimate()
+    (region,) = set(estimate.solution.body.mesh.GetMaterials())
+    found = estimate.Goal(added("EnergyNormIn")(region))
+    assert found.bar == pytest.approx(estimate.energy) and found.bar / found.value == pytest.approx(estimate.relative)
+    assert estimate.Goal(added("EnergyNormIn")("elsewhere")).bar == 0
 
 
 def test_the_law_at_the_nodes_that_is_added_works():
