@@ -63,6 +63,7 @@ def test_silent_by_default():
     assert (run.stdout, run.stderr) == ("", "")
 
 
+@pytest.mark.filterwarnings("ignore::ngsxfem_contact.errors.AccuracyWarning")  # of a mesh this coarse
 @pytest.mark.parametrize("options, silent", [([], False), (["--quiet"], True)])
 def test_the_command_says_what_it_does(options, silent, tmp_path, capsys):
     threads = threading.active_count()
