@@ -392,7 +392,7 @@ class CrackedMesh:
     """A mesh with its cracks; ngsxfem_contact.CrackedMesh says more."""
 
     @staticmethod
-    def _repr_html_(body: CrackedMesh) -> str:
+    def _repr_html_(body: typing.Any) -> str:
         """The same as HTML."""
 
     def CheckMesh(self) -> None:
@@ -631,6 +631,10 @@ class SheetCell:
 
 class CrackedSolid:
     """What CrackedMesh(mesh, sheet, ...) makes of a mesh of tetrahedra: the body with its sheets, with the measures dx, ds, dcrack and dlarger as in the plane."""
+
+    @staticmethod
+    def _repr_html_(body: typing.Any) -> str:
+        """The same as HTML."""
 
     def BoundaryPartSizes(self, element: int) -> list[float]:
         """The areas of the parts of a boundary element, the plus side first; [1] if no sheet divides it."""

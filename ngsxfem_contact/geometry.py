@@ -86,6 +86,16 @@ def lines_of(body: Any) -> tuple[str, Lines]:
     return ("CrackedSolid", of_solid(body)) if isinstance(body, core.CrackedSolid) else ("CrackedMesh", of_body(body))
 
 
-for kind in (core.CrackedMesh, core.CrackedSolid):
-    kind.__repr__ = lambda body: as_text(*lines_of(body))  # type: ignore
-    kind._repr_html_ = lambda body: as_html(*lines_of(body))  # type: ignore
+def described(body: Any) -> str:
+    """Its mesh, and its cracks with their ends or fronts."""
+    return as_text(*lines_of(body))
+
+
+def described_in_notebooks(body: Any) -> str:
+    """The same as HTML."""
+    return as_html(*lines_of(body))
+
+
+for body_class in (core.CrackedMesh, core.CrackedSolid):
+    body_class.__repr__ = described  # type: ignore
+    body_class._repr_html_ = described_in_notebooks  # type: ignore
