@@ -133,7 +133,7 @@ class ErrorEstimate(Described):
             The product.
         """
         space = self.next_order.space
-        return self._by_element(density, self.solution.body.dx(space=space, bonus_intorder=2 * space.order))
+        return self._by_element(density, self.solution.body.dx(space=space, bonus_intorder=2 * space.order - 2))
 
     def OfCracks(self, density: CoefficientFunction, crack: int | None = None) -> np.ndarray:
         """(number of triangles,): integrals over the cracks in each.

@@ -79,7 +79,8 @@ class NextOrder:
         """a(u, v) + ∫λ g_n(v) + ∫λ_t g_t(v) for all functions v of the space, with the stress of u."""
         solution, v = self.solution, self.space.TestFunction()
         power = sum(multiplier * component.jump(v, solution.body) for multiplier, component in zip(multipliers, (NORMAL, TANGENTIAL)))
-        form = LinearForm(InnerProduct(CacheCF(stress), Gradient(v)) * solution.body.dx + power * solution.problem.W.dcrack(space=self.space))
+        body = solution.body.dx(bonus_intorder=-2)  # two gradients
+        form = LinearForm(InnerProduct(CacheCF(stress), Gradient(v)) * body + power * solution.problem.W.dcrack(space=self.space))
         return form.Assemble().vec.FV().NumPy() + spring_forces_on(solution.a, u, self.space)
 
     @cached_property

@@ -130,6 +130,12 @@ def test_free_nodes_with_their_own_measure():
     assert np.abs(matrix(u * v * BODY.dcrack).toarray() - exact).max() > 1e-4
 
 
+def test_cracks_with_different_numbers_of_nodes():
+    body = CrackedMesh(BODY.mesh, Crack([(0, 0.3), (0.4, 0.3)]), Crack([(1, 0.7), (0.6, 0.7)]))
+    W = TraceSpace(body, order=1, nodes=[[0, 0.1, 0.4], [0, 0.1, 0.2, 0.4]])
+    assert [len(nodes) for nodes in W.NodalPositions()] == [3, 4]
+
+
 @pytest.mark.parametrize("order", [0, 1, 2])
 def test_free_nodes_coarser_than_the_mesh(order):
     nodes = np.linspace(0, BODY.cracks[0].length, 4)
