@@ -262,10 +262,22 @@ def facts(problem, folder):
     return found, exchange
 
 
-def steps(problem):
+def by_conjugate_gradients(problem):
+    """What they find, which is approximate."""
+    solution = problem.Solve(inverse="cg")
+    assert solution.report.inverse == "cg" and 0 < max(solution.report.linear_iterations) <= 45
+    return {
+        "cg active": np.array(solution.report.active[-1]),
+        "cg L": solution.state.L,
+        "cg energies": np.array([solution.Energy(), solution.PotentialEnergy()]),
+        "cg K": np.array([[*solution.StressIntensity(tip)] for tip in range(len(problem.body.tips))]),
+    }
+
+
+def steps(problem, inverse=None, name="step"):
     """Load steps forth and back."""
-    load = LoadSteps(problem)
-    return {f"step {t}": load.Solve(t).state.L for t in (0.5, 1.0, 0.3)}
+    load = LoadSteps(problem, inverse=inverse)
+    return {f"{name} {t}": load.Solve(t).state.L for t in (0.5, 1.0, 0.3)}
 
 
 def hoop(problem):
@@ -347,16 +359,21 @@ def solved(name, folder):
     case, order = CASES[name]
     problem = case(order)
     found, exchange = facts(problem, folder)
+    if case is not incompressible:
+        found |= by_conjugate_gradients(problem)
     if case is traced:  # whose multipliers are numbered as the vertices are
         found |= {
             "S": np.linalg.eigvalsh(found["S"]),
             "g": np.sort(found["g"]),
             "L": np.sort(found["L"]),
+            "cg L": np.sort(found["cg L"]),
             "EE": np.sort(found["EE"].diagonal()),
             "D": np.sort(found["D"].diagonal()),
         }
     if case in (slip, torn, crossing):
         found |= {slip: steps, torn: path, crossing: hoop}[case](problem)
+    if case is slip:
+        found |= steps(problem, "cg", "cg step")
     return same_on_all(found, exchange), exchange.is_first
 
 
