@@ -58,7 +58,7 @@ def measure(maxh, order):
 def measured(number, maxh, order):
     """What each process found, a dictionary for each."""
     start = ["mpirun", "-n", str(number)] if number > 1 else []
-    command = ["timeout", "900", *start, sys.executable, "-W", "ignore", __file__, "--measure", str(maxh), str(order)]
+    command = ["timeout", "2400", *start, sys.executable, "-W", "ignore", __file__, "--measure", str(maxh), str(order)]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI)
     if done.returncode:
         raise RuntimeError(done.stdout + done.stderr)

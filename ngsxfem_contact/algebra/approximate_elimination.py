@@ -52,6 +52,10 @@ class ApproximateElimination(SymmetricSystem):
         x = self.Solve(rhs)
         return ReducedVector(rhs, x, self.Felt(x))
 
+    def Recover(self, reduced: ReducedVector, L: np.ndarray) -> np.ndarray:
+        """A⁻¹(F + CᵀL) of a ReducedVector."""
+        return reduced.partial + self.Solve(self.C.T @ L)
+
     def Felt(self, x: np.ndarray) -> np.ndarray:
         """C x."""
         return self.exchange.FromFirst(self.exchange.Sum(self.C @ x))

@@ -193,11 +193,11 @@ class Elimination(SymmetricSystem):
         return x
 
     def Solve(self, rhs: np.ndarray) -> np.ndarray:
-        """A⁻¹ rhs; zero on fixed unknowns."""
+        """A⁻¹ rhs; zero on fixed unknowns; of several processes consistent, for an additive rhs."""
         x = self.factors.Solve(rhs)
         if not len(self.border):
             return x
-        at_border = self._at_border(rhs[self.border] - self.border_rows @ x)
+        at_border = self._at_border(self.exchange.Sum(rhs[self.border] - self.border_rows @ x))
         x -= self._border_columns @ at_border if len(self.border) <= FEW else self.factors.Solve(self.border_rows.T @ at_border)
         x[self.border] = at_border
         return x

@@ -14,7 +14,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, Elasticity, Jump, LoadSteps, Nitsche, TraceSpace
 from ngsxfem_contact.algebra.matrices import csr_view
-from ngsxfem_contact.contact import InfSup, LinearCohesive, PathSteps
+from ngsxfem_contact.contact import Coercivity, InfSup, LinearCohesive, PathSteps
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.fracture import GivenIncrement, JunctionInitiation, StressInitiation
 from ngsxfem_contact.points import crack_points
@@ -373,7 +373,7 @@ def solved(name, folder):
     if case in (slip, torn, crossing):
         found |= {slip: steps, torn: path, crossing: hoop}[case](problem)
     if case is slip:
-        found |= steps(problem, "cg", "cg step")
+        found |= steps(problem, "cg", "cg step") | {"coercivity": np.array([Coercivity(problem)])}
     return same_on_all(found, exchange), exchange.is_first
 
 

@@ -58,7 +58,17 @@ def solved(number, folder):
 
 
 EXACT = ("unknowns", "negligible", "counts", "active")
-TOLERANCES = {"forms": 1e-13, "EE": 1e-13, "D": 1e-12, "S": 1e-11, "g": 1e-11, "energies": 1e-11, "tips": 1e-14, "reactions": 1e-10}  # others: 1e-9
+TOLERANCES = {
+    "forms": 1e-13,
+    "EE": 1e-13,
+    "D": 1e-12,
+    "S": 1e-11,
+    "g": 1e-11,
+    "energies": 1e-11,
+    "tips": 1e-14,
+    "reactions": 1e-10,
+    "coercivity": 1e-7,
+}  # others: 1e-9
 
 
 # How much more than round-off of well-conditioned problems: of rubber another numbering of the mesh changes what one process finds by up to 4e-8 (S), 7e-7 (L) and
@@ -120,7 +130,7 @@ def test_as_one_process(tmp_path):
         folder.mkdir()
     found = {number: solved(number, folder) for number, folder in folders.items()}
     one = found[1]
-    assert all({"L", "K", "released", "gap", *EXACT, *TOLERANCES} <= set(facts) for name, facts in one.items() if "_P" in name)
+    assert all({"L", "K", "released", "gap", *EXACT, *TOLERANCES} - {"coercivity"} <= set(facts) for name, facts in one.items() if "_P" in name)
     assert len(one) > 15 and one["slivers_P2"]["negligible"] > 0
     contact, _, right, left = one["slip_P2"]["counts"]
     assert contact > 3 and right + left > 3
