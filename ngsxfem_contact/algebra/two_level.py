@@ -106,13 +106,14 @@ class TwoLevel:
 
     def _around(self, functions: np.ndarray, border: np.ndarray) -> np.ndarray:
         """(n,) bool: some functions and the next layers around them."""
+        on_all = lambda mark: (self.exchange.Cumulated(mark) > 0).astype(float)
         mark = np.zeros(self.A.shape[0])
         mark[functions] = 1
         for _ in range(LAYERS):
+            mark = on_all(mark)
             mark[border] = 0
             mark[self.A[np.flatnonzero(mark)].indices] = 1
-            mark = (self.exchange.Cumulated(mark) > 0).astype(float)
-        return mark > 0
+        return on_all(mark) > 0
 
     def _units(self, dofs: np.ndarray) -> csr_matrix:
         """Functions of V_h as columns, in an order on which all agree."""
