@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import Mesh
+from scipy.sparse import csr_matrix, diags
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -241,6 +242,21 @@ class Exchange(Processes):
         consistent[self.shared] = self.Sum(parts)[self.numbers]
         return consistent
 
+    def Numbers(self, size: int) -> np.ndarray:
+        """(size,): a number for each unknown, of which this process has `size`, on which all agree."""
+        numbers = np.arange(size) + self.total + sum(self.Gather(size)[: self.rank])
+        numbers[self.shared] = self.numbers
+        return numbers
+
+    def CumulatedRows(self, additive: csr_matrix) -> csr_matrix:
+        """A sparse matrix with consistent rows from one with additive rows."""
+        if not self.several:
+            return additive
+        others = np.ones(additive.shape[0])
+        others[self.shared] = 0
+        place = csr_matrix((np.ones(len(self.shared)), (self.shared, self.numbers)), shape=(additive.shape[0], self.total))
+        return (diags(others) @ additive + place @ self.Sum((place.T @ additive).tocsr())).tocsr()
+
     def Additive(self, consistent: Any) -> Any:
         """An additive array, or a matrix with additive columns, from a consistent one."""
         if not self.several:
@@ -250,6 +266,10 @@ class Exchange(Processes):
     def Count(self, size: int) -> int:
         """The number of different unknowns, of which this process has a number."""
         return int(self.Sum(int(self.master.sum()))) if self.several else size
+
+    def NumInterface(self) -> int:
+        """The number of different unknowns that own elements of several processes have."""
+        return len(np.unique(np.concatenate(self.Gather(self.numbers[self.interface]))))
 
     def Rank(self, dofs: np.ndarray) -> np.ndarray:
         """Numbers of shared unknowns that put them in an order on which all agree."""

@@ -5,7 +5,7 @@
 # runs it here in one process, and in three processes where OpenMPI and mpi4py are installed:
 #
 #     sudo apt-get install openmpi-bin
-#     pip install "ngsxfem_contact[mpi]"
+#     pip install "ngsxfem_contact[mpi,space]"   # space: pyamg, for conjugate gradients
 #
 # ## The script
 #
@@ -16,6 +16,8 @@ from pathlib import Path
 
 script = Path("many.py")
 _ = script.write_text('''
+import sys
+
 from netgen.geom2d import unit_square
 from ngsolve import CF, Integrate
 from ngsxfem_contact import *
@@ -27,7 +29,7 @@ body = CrackedMesh(mesh, Crack([(0.3, 0.45), (0.7, 0.55)]))
 V = CrackFESpace(body, order=2, material=Elasticity.PlaneStrain(E=210e3, nu=0.3), dirichlet="bottom")
 problem = ContactProblem(V, TraceSpace(body, order=1), law=Coulomb(0.1))
 problem.f += CF((30, -100)) * V.TestFunction() * body.ds("top")
-solution = problem.Solve()
+solution = problem.Solve(inverse=sys.argv[1] if len(sys.argv) > 1 else None)
 
 factors, force, energy = solution.StressIntensity(tip=1), solution.ContactForce(), solution.Energy()
 figure = plot_body(solution, label="von Mises [MPa]")
@@ -71,12 +73,15 @@ print("python many.py\n" + found[0])
 if shutil.which("mpirun") and importlib.util.find_spec("mpi4py"):
     found.append(run("mpirun", "-n", "3", sys.executable, str(script)))
     print("mpirun -n 3 python many.py\n" + found[1])
+    if importlib.util.find_spec("pyamg"):
+        found.append(run("mpirun", "-n", "3", sys.executable, str(script), "cg"))
+        print("mpirun -n 3 python many.py cg\n" + found[2])
 else:
     print("mpirun -n 3 python many.py needs OpenMPI and mpi4py, which are not installed here")
 
 # %% [markdown]
 # NGSolve leaves the first process without elements: three processes are two that work. Each eliminates the unknowns that it shares with nobody; what is left between processes is a dense matrix, which all factorise. So this
-# is for some ten processes and some million unknowns: the [figures](../measured) have a model of what each does, holds and sends.
+# is for some ten processes and some million unknowns: the [figures](../measured) have a model of what each does, holds and sends. `Solve(inverse="cg")` does without that matrix, by conjugate gradients; it is chosen where the matrix would be too large.
 #
 # The picture that the first process drew:
 

@@ -41,6 +41,8 @@ class ConjugateGradients:
         Symmetric and positive (semi-)definite, as functions of vectors; x stays in the range of M.
     r
         Taken over, and changed.
+    dot
+        The product of a residual, or what A gives, with what M gives: of several processes r and A x are additive, x and M r consistent.
 
     Attributes
     ----------
@@ -52,10 +54,16 @@ class ConjugateGradients:
         Whether A and M were so in all directions up to now.
     """
 
-    def __init__(self, A: Callable[[np.ndarray], np.ndarray], M: Callable[[np.ndarray], np.ndarray], r: np.ndarray) -> None:
-        self.A, self.M, self.r, self.x = A, M, r, np.zeros(len(r))
+    def __init__(
+        self,
+        A: Callable[[np.ndarray], np.ndarray],
+        M: Callable[[np.ndarray], np.ndarray],
+        r: np.ndarray,
+        dot: Callable[[np.ndarray, np.ndarray], float] = np.dot,
+    ) -> None:
+        self.A, self.M, self.dot, self.r, self.x = A, M, dot, r, np.zeros(len(r))
         self.p = M(r)
-        self.rz = float(r @ self.p)
+        self.rz = float(dot(r, self.p))
         self.gains: list[float] = []
         self.positive = self.rz >= 0
 
@@ -67,13 +75,13 @@ class ConjugateGradients:
     def Step(self) -> None:
         """The next approximation."""
         q = self.A(self.p)
-        curvature = float(self.p @ q)
+        curvature = float(self.dot(q, self.p))
         step = self.rz / curvature
         self.x += step * self.p
         self.r -= step * q
         self.gains.append(step * self.rz)
         z = self.M(self.r)
-        self.rz, before = float(self.r @ z), self.rz
+        self.rz, before = float(self.dot(self.r, z)), self.rz
         self.positive = self.positive and curvature > 0 and self.rz >= 0
         self.p = z + self.rz / before * self.p
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_matrix, csr_matrix
 
 FEW = 8  # unknowns of a border whose columns are kept, so that each further solve is one back-substitution
-CG = "cg"  # the name of conjugate gradients, which eliminate nothing: see contact.condensed
+CG = "cg"  # the name of conjugate gradients: see contact.iterative, in space contact.condensed
 OF_NGSOLVE = ("sparsecholesky", "pardiso", "umfpack", "superlu", "masterinverse", "mumps")  # where it was built with them
 SOLVERS = (*OF_NGSOLVE, Substructuring.name, CG)
 PARDISO_PAYS = 30_000  # unknowns; below, NGSolve's sparse Cholesky is as fast or faster (docs/measured.md)
@@ -79,7 +79,7 @@ def factorise(matrix: BaseMatrix, inner: BitArray, K: scipy.sparse.csc_matrix, i
         return Substructuring(matrix, inner, K, exchange)
     exchange.Refuse(f"inverse={inverse!r}")
     if inverse == CG:
-        raise ValueError(f"inverse={CG!r} is there for contact problems of bodies in space; here the displacements are eliminated, by a direct solver")
+        raise ValueError(f"inverse={CG!r} is there for ContactProblem.Solve and LoadSteps; here the displacements are eliminated, by a direct solver")
     if inverse == "sparsecholesky":
         return PartialFactorisation(matrix, inner, K)
     if inverse == "pardiso":
@@ -105,8 +105,8 @@ class ReducedVector:
 
     Parameters
     ----------
-    border
-        What is left of F at the tips' unknowns.
+    partial
+        What is left of F at the tips' unknowns; of conjugate gradients A⁻¹F.
     crack
         C A⁻¹F.
 
@@ -116,14 +116,14 @@ class ReducedVector:
     """
 
     rhs: np.ndarray
-    border: np.ndarray
+    partial: np.ndarray
     crack: np.ndarray
 
     def __add__(self, other: ReducedVector) -> ReducedVector:
-        return ReducedVector(self.rhs + other.rhs, self.border + other.border, self.crack + other.crack)
+        return ReducedVector(self.rhs + other.rhs, self.partial + other.partial, self.crack + other.crack)
 
     def __rmul__(self, factor: float) -> ReducedVector:
-        return ReducedVector(factor * self.rhs, factor * self.border, factor * self.crack)
+        return ReducedVector(factor * self.rhs, factor * self.partial, factor * self.crack)
 
 
 class Elimination(SymmetricSystem):
@@ -194,7 +194,7 @@ class Elimination(SymmetricSystem):
 
     def Recover(self, reduced: ReducedVector, L: np.ndarray | None = None) -> np.ndarray:
         """A⁻¹(F + CᵀL) of a ReducedVector; zero on fixed unknowns."""
-        rhs, border = reduced.rhs, reduced.border
+        rhs, border = reduced.rhs, reduced.partial
         if L is not None:
             rhs, border = rhs + self.C.T @ L, border + self.coupling.T @ L
         at_border = self._at_border(border)
@@ -203,11 +203,11 @@ class Elimination(SymmetricSystem):
         return x
 
     def Solve(self, rhs: np.ndarray) -> np.ndarray:
-        """A⁻¹ rhs; zero on fixed unknowns."""
+        """A⁻¹ rhs; zero on fixed unknowns; of several processes consistent, for an additive rhs."""
         x = self.factors.Solve(rhs)
         if not len(self.border):
             return x
-        at_border = self._at_border(rhs[self.border] - self.border_rows @ x)
+        at_border = self._at_border(self.exchange.Sum(rhs[self.border] - self.border_rows @ x))
         x -= self._border_columns @ at_border if len(self.border) <= FEW else self.factors.Solve(self.border_rows.T @ at_border)
         x[self.border] = at_border
         return x

@@ -26,7 +26,7 @@ from .stabilisation import trait
 if TYPE_CHECKING:
     from typing import Any
 
-    from ngsolve import BaseMatrix, BitArray, CoefficientFunction
+    from ngsolve import BaseMatrix, CoefficientFunction
     from scipy.sparse import csr_matrix
 
     from .._ngsxfem_contact import CrackedMesh, CrackFESpace, TraceSpace
@@ -104,7 +104,6 @@ def check_coercive(problem: ContactProblem, elimination: Elimination) -> None:
     proved = elimination.positive and not trait(stabilisation, "needs_eigenvalue")
     if proved or (elimination.positive is not False and stabilisation.IsSafe(problem.V, problem.material, problem.law.components)):
         return
-    problem.V.share.Refuse("The eigenvalue that tells whether γ is small enough")
     smallest = Coercivity(problem)
     if smallest <= 1e-10:
         remedy = trait(stabilisation, "Remedy")(smallest)
@@ -151,12 +150,11 @@ def Coercivity(problem: ContactProblem) -> float:
     SingularSystem
         If rigid motions are left free that no face feels.
     """
-    problem.V.share.Refuse("Coercivity")
     motions = PinnedMotions(problem)
     gamma = problem.Gamma()
     if gamma is None:
         return 1.0
-    V = problem.V
+    V, exchange = problem.V, exchange_of(problem.V)
     u, v = V.TnT()
     K = stiffness_form(problem).Assemble().mat
     squared = problem.ComparedTraction().Squared(u, v, problem.law.components)
@@ -165,22 +163,32 @@ def Coercivity(problem: ContactProblem) -> float:
         K_gamma -= LocalPressures(problem, gamma).Stiffness()
     free = motions.Without(problem.free, K)  # they change neither K nor K_γ
     logger.info("smallest eigenvalue of K - K_γ against K, %d unknowns", V.ndof)
-    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, free, Unknowns(V).tips), mask(free))
+    return 1 - largest_eigenvalue(K_gamma, K, Elimination(K, free, Unknowns(V).tips, exchange=exchange), mask(free), exchange)
 
 
-def largest_eigenvalue(A: csr_matrix, M: BaseMatrix, M_inverse: Elimination, free: BitArray) -> float:
-    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, M NGSolve's, its inverse an Elimination."""
+def largest_eigenvalue(A: csr_matrix, M: BaseMatrix, M_inverse: Elimination, free: np.ndarray, exchange: Exchange) -> float:
+    """Of A x = θ M x on the free unknowns, by Lanczos; A a scipy matrix, whole on all processes, M NGSolve's, its inverse an Elimination.
+
+    Vectors of Lanczos' method are whole on all processes, so that each does the same with them.
+    """
     x, y = M.CreateColVector(), M.CreateColVector()
+    numbers = exchange.Numbers(len(free))
+    size = 1 + int(exchange.Max(numbers.max(initial=0)))
+
+    def whole(consistent: np.ndarray) -> np.ndarray:
+        array = np.zeros(size)
+        array[numbers] = exchange.Additive(np.where(free, consistent, 0))
+        return exchange.FromFirst(exchange.Sum(array))
 
     def multiply(array: np.ndarray) -> np.ndarray:
-        x.FV().NumPy()[:] = np.where(free, array.ravel(), 0)
+        x.FV().NumPy()[:] = np.where(free, array, 0)
         y.data = M * x
-        return np.where(free, y.FV().NumPy(), 0)
+        return exchange.Cumulated(y.FV().NumPy().copy())
 
-    operator = lambda function: scipy.sparse.linalg.LinearOperator(A.shape, matvec=function, dtype=float)
-    restricted = operator(lambda v: np.where(free, A @ np.where(free, v.ravel(), 0), 0))
-    inverse = operator(lambda v: M_inverse.Solve(np.where(free, v.ravel(), 0)))
-    start = inverse.matvec(restricted.matvec(np.random.default_rng(0).standard_normal(len(free))))
+    operator = lambda function: scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda array: whole(function(array.ravel()[numbers])), dtype=float)
+    restricted = operator(lambda v: A @ np.where(free, v, 0))
+    inverse = operator(lambda v: M_inverse.Solve(exchange.Additive(np.where(free, v, 0))))
+    start = inverse.matvec(restricted.matvec(np.random.default_rng(0).standard_normal(size)))
     return float(scipy.sparse.linalg.eigsh(restricted, k=1, M=operator(multiply), Minv=inverse, which="LA", v0=start, tol=1e-8)[0][0])
 
 

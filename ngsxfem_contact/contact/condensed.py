@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy
 
-from .. import _ngsxfem_contact as core
 from ..algebra.condensed import CondensedMatrix
 from ..algebra.condensed_newton import CondensedNewton, FaceTerms
 from ..algebra.elimination import CG, ReducedVector
@@ -63,7 +62,7 @@ class CondensedProblem(AssembledProblem):
     Raises
     ------
     NotCondensed
-        For problems that have no such form: bodies in the plane, parts that only faces hold, no stabilisation, a gamma0 that may be too large, laws without a projection.
+        For problems that have no such form: parts that only faces hold, no stabilisation, a gamma0 that may be too large, laws without a projection.
     ImportError
         Without pyamg.
     """
@@ -75,8 +74,6 @@ class CondensedProblem(AssembledProblem):
         super().__init__(problem)
 
     def _admit(self, problem: ContactProblem) -> None:
-        if not isinstance(problem.V, core.SolidFESpace):
-            raise NotCondensed("conjugate gradients are there for bodies in space; in the plane factors are small, leave inverse= out")
         if not is_available():
             raise ImportError(f"inverse={CG!r} needs pyamg: {REMEDY}")
         self.exchange.Refuse(f"inverse={CG!r}")

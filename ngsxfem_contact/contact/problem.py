@@ -333,7 +333,8 @@ class ContactProblem(Described):
         ----------
         inverse
             NGSolve's name of the direct solver for K - K_γ, see `Elimination`; default "sparsecholesky", and "pardiso" for large problems where MKL is
-            installed. Of bodies in space "cg", conjugate gradients with multigrid (pyamg), which are the default for large ones; the report says so.
+            installed. "cg": conjugate gradients (pyamg), with multigrid for bodies in space, where they are the default for large ones; in the plane with two
+            levels, for many processes. The report says so.
         cone
             "nonpositive" or "weak"; default the problem's.
         start

@@ -29,7 +29,7 @@ class Report:
     choice
         Why this one, where nobody asked for it.
     linear_iterations
-        Of conjugate gradients, for each matrix, one in each iteration of the active set; empty for direct solvers.
+        Of conjugate gradients: in space for each matrix, one in each iteration of the active set, in the plane for the load and for each round with other pressures; empty for direct solvers.
     active
         The active set of each iteration, the first is where it started.
     coarse_iterations

@@ -11,7 +11,6 @@ from ngsxfem_contact import (
     BarbosaHughes,
     ContactProblem,
     Coulomb,
-    Crack,
     CrackedMesh,
     CrackFESpace,
     Elasticity,
@@ -28,7 +27,6 @@ from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, partially_closed
 from ngsxfem_contact.exact.space_forms import stress_matrix, uniform_stress
 from ngsxfem_contact.geometry import Sheet
-from tests.helpers import structured
 from tests.sheets.exact_sheets import cube_mesh
 
 pytest.importorskip("pyamg")
@@ -182,10 +180,6 @@ def test_the_choice(monkeypatch):
 
 def test_refusals(monkeypatch):
     form = closed_penny(MATERIAL, RADIUS).At(CENTRE)
-    body = CrackedMesh(structured(3), Crack([(0, 0.5), (1, 0.5)]))
-    plane = ContactProblem(CrackFESpace(body, dirichlet=".*"), TraceSpace(body), Elasticity.PlaneStrain(E=1, nu=0.3))
-    with pytest.raises(NotCondensed, match="for bodies in space"):
-        plane.Solve(inverse="cg")
     with pytest.raises(NotCondensed, match="stabilisation=BarbosaHughes"):
         problem_of(form, 0.25, stabilisation=None).Solve(inverse="cg")
     with pytest.raises(NotCondensed, match="gamma0=50.* take BarbosaHughes"):

@@ -12,9 +12,10 @@ from netgen.occ import Circle, OCCGeometry
 from ngsolve import CF, IfPos, Integrate, Mesh, ds, dx, sqrt, x, y
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact.algebra.multigrid import is_available
 from ngsxfem_contact.algebra.substructuring import check_memory
-from ngsxfem_contact.contact import Coercivity, ConditionNumber
-from ngsxfem_contact.errors import SingularSystem
+from ngsxfem_contact.contact import ConditionNumber, strategy
+from ngsxfem_contact.errors import NotCoercive, SingularSystem
 from ngsxfem_contact.plotting import plot_body, plot_mesh
 from ngsxfem_contact.plotting.picture import Picture
 from ngsxfem_contact.plotting.plots import animate, split_displacement
@@ -96,9 +97,7 @@ def what_is_not_supported_is_refused():
     solution = problem().Solve()
     for action in (
         lambda: TraceSpace(solution.body, order=2, basis="trace"),
-        lambda: problem(stabilisation=BarbosaHughes(gamma0=1)).Solve(),
         lambda: problem().Solve(inverse="sparsecholesky"),
-        lambda: Coercivity(solution.problem),
         lambda: ConditionNumber(solution.problem),
         lambda: solution.Save("body.solution"),
         lambda: plot_mesh(solution.problem.V),
@@ -162,10 +161,21 @@ def pictures_are_drawn_by_the_first():
     refused(lambda: plot_body(solution, scale=float("inf")), ValueError, "scale=inf must be finite")
 
 
+def conjugate_gradients_are_chosen():
+    """Where there is too much between processes for a dense matrix; not for rubber."""
+    assert problem().Solve().report.choice == ""
+    strategy.MOST_BETWEEN = 10
+    report = problem().Solve().report
+    between = COMM.size > 2 and is_available()
+    assert (report.inverse == "cg") == ("unknowns between processes" in report.choice) == ("conjugate gradients" in str(report)) == between
+    assert (problem(material=Elasticity.PlaneStrain(E=1, nu=0.4999)).Solve().report.inverse == "substructuring") == (COMM.size > 1)
+
+
 def what_is_wrong_is_refused_on_all():
     """Also where one process alone sees it."""
     refused(lambda: problem(THROUGH, dirichlet="bottom|top").Pin((0.123, 0.5), "x"), ValueError, "no mesh vertex")
     refused(lambda: problem(Crack([(0.2, 0.5), (2, 3), (0.4, 0.5)])), Exception, "leaves the body")
+    refused(lambda: problem(stabilisation=BarbosaHughes(gamma0=1)).Solve(), NotCoercive, "γ is too large")
     refused(lambda: problem(dirichlet="").Solve(), SingularSystem, "3 rigid motion(s)")
     nowhere = IfPos((x - 0.85) ** 2 + (y - 1) ** 2 - 0.01, 0, sqrt(-1 - x))
     refused(lambda: problem(load=(0, nowhere)).Solve(), ValueError, "the load `f` is not finite")
@@ -186,6 +196,7 @@ CASES = [
     errors_are_raised_on_all,
     a_mesh_of_each_process_is_refused,
     what_is_not_supported_is_refused,
+    conjugate_gradients_are_chosen,
     what_is_wrong_is_refused_on_all,
     curved_elements,
     point_loads,

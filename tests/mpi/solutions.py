@@ -14,7 +14,8 @@ from ngsolve.meshes import MakeStructured2DMesh
 
 from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, CrackGrowth, Elasticity, Jump, LoadSteps, Nitsche, TraceSpace
 from ngsxfem_contact.algebra.matrices import csr_view
-from ngsxfem_contact.contact import InfSup, LinearCohesive, PathSteps
+from ngsxfem_contact.algebra.multigrid import is_available
+from ngsxfem_contact.contact import Coercivity, InfSup, LinearCohesive, PathSteps
 from ngsxfem_contact.contact.solver import ReducedProblem
 from ngsxfem_contact.fracture import GivenIncrement, JunctionInitiation, StressInitiation
 from ngsxfem_contact.points import crack_points
@@ -262,10 +263,22 @@ def facts(problem, folder):
     return found, exchange
 
 
-def steps(problem):
+def by_conjugate_gradients(problem):
+    """What they find, which is approximate."""
+    solution = problem.Solve(inverse="cg")
+    assert solution.report.inverse == "cg" and 0 < max(solution.report.linear_iterations) <= 45
+    return {
+        "cg active": np.array(solution.report.active[-1]),
+        "cg L": solution.state.L,
+        "cg energies": np.array([solution.Energy(), solution.PotentialEnergy()]),
+        "cg K": np.array([[*solution.StressIntensity(tip)] for tip in range(len(problem.body.tips))]),
+    }
+
+
+def steps(problem, inverse=None, name="step"):
     """Load steps forth and back."""
-    load = LoadSteps(problem)
-    return {f"step {t}": load.Solve(t).state.L for t in (0.5, 1.0, 0.3)}
+    load = LoadSteps(problem, inverse=inverse)
+    return {f"{name} {t}": load.Solve(t).state.L for t in (0.5, 1.0, 0.3)}
 
 
 def hoop(problem):
@@ -347,6 +360,8 @@ def solved(name, folder):
     case, order = CASES[name]
     problem = case(order)
     found, exchange = facts(problem, folder)
+    if case is not incompressible and is_available():
+        found |= by_conjugate_gradients(problem)
     if case is traced:  # whose multipliers are numbered as the vertices are
         found |= {
             "S": np.linalg.eigvalsh(found["S"]),
@@ -354,9 +369,12 @@ def solved(name, folder):
             "L": np.sort(found["L"]),
             "EE": np.sort(found["EE"].diagonal()),
             "D": np.sort(found["D"].diagonal()),
+            **{key: np.sort(found[key]) for key in ("cg L",) if key in found},
         }
     if case in (slip, torn, crossing):
         found |= {slip: steps, torn: path, crossing: hoop}[case](problem)
+    if case is slip:
+        found |= (steps(problem, "cg", "cg step") if is_available() else {}) | {"coercivity": np.array([Coercivity(problem)])}
     return same_on_all(found, exchange), exchange.is_first
 
 
