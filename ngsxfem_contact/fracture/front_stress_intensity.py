@@ -13,6 +13,7 @@ import numpy as np
 from .._ngsxfem_contact import CrackedSolid
 from ..arguments import check_item, check_positive, check_type, check_whole
 from ..tables import Table
+from .curved_front import CurvedFrontIntegrals
 from .front_fields import FrontField
 from .front_integral import FrontIntegrals
 from .front_tube import FrontCurve, Hats, Room, TubeRule
@@ -172,7 +173,7 @@ class _Found:
 
 
 def _on_stretch(curve: FrontCurve, material: Elasticity, u: FrontField, hats: Hats, radii: tuple[float, ...], rule: TubeRule, h: float) -> _Found:
-    integrals = FrontIntegrals(curve, material, u, hats, radii, rule)
+    integrals = (FrontIntegrals if curve.sheet.planar else CurvedFrontIntegrals)(curve, material, u, hats, radii, rule)
     scale = np.array([0.5 * material.E_prime, 0.5 * material.E_prime, material.mu, 0.5])
     moments = integrals() * scale
     if not np.isfinite(moments).all():

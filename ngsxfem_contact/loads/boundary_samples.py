@@ -10,6 +10,7 @@ from ngsolve import BND
 
 from .._ngsxfem_contact import CrackedSolid, EndKind
 from ..points import boundary_points
+from ..sheets import heights_over
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -129,7 +130,7 @@ class SurfaceSamples(BoundarySamples):
         self.element, self.vertex = np.repeat(np.arange(len(corners)), 3), corners.ravel()
         self.reference = np.tile([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], (len(corners), 1))
         self.region = np.array([element.index for element in elements])[self.element]
-        heights = [np.abs((points - sheet.origin) @ np.array(sheet.normal)) for sheet in body.cracks]
+        heights = [np.abs(heights_over(sheet, points)) for sheet in body.cracks]
         on_plane = np.min(heights, axis=0) <= AT * np.ptp(points, axis=0).max()
         self.mouth = np.where(on_plane[self.vertex], 0, -1)
         self.side = np.zeros(len(self.vertex), dtype=int)

@@ -9,7 +9,9 @@ import numpy as np
 from .polygons import Triangle, divided, ear_triangles, holds, inner_point, twice_area
 
 if TYPE_CHECKING:
-    from .._ngsxfem_contact import CrackedSolid, SheetCell
+    from collections.abc import Iterator
+
+    from .._ngsxfem_contact import CrackedSolid, Sheet, SheetCell
 
 SAME = 1e-7  # relative to an element: what is nearer is one point
 SAG = 0.005  # between a curve and a chord of it, relative to the chord
@@ -30,8 +32,8 @@ class SheetTrace:
     ----------
     sheet, cells
         The Sheet, and its SheetCells.
-    points (N, 2)
-        In the coordinates of its plane.
+    points (N, 2), places (N, 3)
+        In the coordinates of the sheet, and in space: of a curved sheet on the polygons, which are plane.
     nodes
         {(i, j): number} of the points on edges of the mesh between vertices i < j, and (i, i) on the vertex i.
     sides
@@ -50,11 +52,13 @@ class SheetTrace:
     def __init__(self, body: CrackedSolid, crack: int) -> None:
         self.sheet, self.cells = body.cracks[crack], body.Elements(crack)
         self._places: list[np.ndarray] = []
+        self._cell_of: list[int] = []
+        self._cell = 0  # the number of the cell that is divided
         self.nodes: dict[Node, int] = {}
         self.sides: dict[Node, tuple[Node, Node]] = {}
         self.between: dict[Node, list[int]] = {}
-        corners = [self._Corners(cell) for cell in self.cells]
-        lines = [self._Lines(cell, around) for cell, around in zip(self.cells, corners)]
+        corners = [self._Corners(cell) for cell in self._EachCell()]
+        lines = [self._Lines(cell, around) for cell, around in zip(self._EachCell(), corners)]
         for (p, _), numbers in self.between.items():
             numbers.sort(key=lambda number, p=p: float(np.sum((self._places[number] - self._places[p]) ** 2)))  # type: ignore[misc]
         self._points = np.array(self._places).reshape(-1, 2)
@@ -68,17 +72,32 @@ class SheetTrace:
             inside += [True] if len(loops) == 1 and not self.cells[number].chords else [self._IsInside(loop) for loop in loops]
         self.loop_cell, self.inside = np.array(of_cell, dtype=int), np.array(inside, dtype=bool)
         on_outline = set(self.outline.ravel().tolist())
-        self.triangles = [self._Triangles(loop, on_outline if here else set()) for loop, here in zip(self.loops, inside)]
+        self.triangles = []
+        for self._cell, loop, here in zip(of_cell, self.loops, inside):
+            self.triangles.append(self._Triangles(loop, on_outline if here else set()))
         self.points = np.array(self._places).reshape(-1, 2)
+        self.places = self._InSpace()
 
     @property
     def element(self) -> np.ndarray:
         """(n,): the element of the mesh that carries each polygon."""
         return np.array([cell.element for cell in self.cells], dtype=int)[self.loop_cell]
 
-    def Places(self, points: np.ndarray) -> np.ndarray:
-        """(n, 3) of points (n, 2) of the plane."""
-        return np.array(self.sheet.origin) + points @ np.array(self.sheet.axes)
+    def _EachCell(self) -> Iterator[SheetCell]:
+        for self._cell, cell in enumerate(self.cells):
+            yield cell
+
+    def _InSpace(self) -> np.ndarray:
+        """(N, 3): by the affine map of each polygon from its coordinates to space."""
+        if self.sheet.planar:
+            return np.array(self.sheet.origin) + self.points @ np.array(self.sheet.axes)
+        places, of_cell = np.empty((len(self.points), 3)), np.array(self._cell_of, dtype=int)
+        for number in np.unique(of_cell):
+            cell, own = self.cells[number], of_cell == number
+            flat, space = np.array(cell.polygon), np.array(cell.points)
+            affine = np.linalg.lstsq(flat[1:] - flat[0], space[1:] - space[0], rcond=None)[0]
+            places[own] = space[0] + (self.points[own] - flat[0]) @ affine
+        return places
 
     @property
     def outline(self) -> np.ndarray:
@@ -113,6 +132,7 @@ class SheetTrace:
 
     def _Add(self, place: Any) -> int:
         self._places.append(np.asarray(place, dtype=float))
+        self._cell_of.append(self._cell)
         return len(self._places) - 1
 
     def _Corners(self, cell: SheetCell) -> list[int]:
@@ -178,7 +198,12 @@ class SheetTrace:
         return loops
 
     def _IsInside(self, loop: list[int]) -> bool:
-        return self.sheet.Contains(tuple(self.Places(inner_point(self._points, loop))))
+        return self.sheet.Contains(self.sheet.PointAt(*inner_point(self._points, loop)))
+
+
+def middle_normal(sheet: Sheet) -> np.ndarray:
+    """The unit normal, of a curved sheet that at the middle of its outer curve."""
+    return np.array(sheet.normal if sheet.planar else sheet.FrameAt(*np.mean(sheet.loops[0].Outline(), axis=0))[0])
 
 
 def in_order(cell: SheetCell, loops: Any) -> list[tuple[int, float, float]]:
