@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _ngsxfem_contact as core
-from . import curves  # noqa: F401  gives Crack its curves
-from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, Sheet, Side
+from . import curves, triangulated  # noqa: F401  give Crack its curves, and Sheet its triangulated surfaces
+from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, HeightField, Sheet, Side
 from .description import as_html, as_text, of_body
 from .share import share_of
 from .sheets import body_in_space
@@ -14,7 +14,7 @@ from .sheets import body_in_space
 if TYPE_CHECKING:
     from ngsolve import Mesh
 
-__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "Sheet", "Side"]
+__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "HeightField", "Sheet", "Side"]
 
 
 class CrackedMesh(core.CrackedMesh):

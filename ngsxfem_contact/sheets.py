@@ -187,7 +187,9 @@ def extrude(crack: Crack, direction: Vector, origin: Vector = (0, 0, 0), x_axis:
         x_axis = (1, 0, 0) if abs(unit[0]) < 0.9 else (0, 1, 0)
         first = np.array(x_axis) - unit * unit[np.argmax(x_axis)]
     elif abs((first := checked_direction(x_axis, "Sheet.Extrude: x_axis")) @ unit) > 1e-8:
-        raise ValueError(f"Sheet.Extrude: x_axis={tuple(first.tolist())} is not perpendicular to the direction {tuple(unit.tolist())}; the crack's plane is normal to it")
+        raise ValueError(
+            f"Sheet.Extrude: x_axis={tuple(first.tolist())} is not perpendicular to the direction {tuple(unit.tolist())}; the crack's plane is normal to it"
+        )
     height, length = float(np.linalg.norm(checked_vector(direction, "Sheet.Extrude: direction"))), crack.length
     loops = [Crack([(0, 0), (height, 0), (height, length), (0, length), (0, 0)])] if loops is None else list(loops)
     axes = [first.tolist(), np.cross(unit, first).tolist()]

@@ -1,4 +1,6 @@
 #include "convert.hpp"
+#include <pybind11/numpy.h>
+#include "cut/height_field.hpp"
 #include "forms/front_tube.hpp"
 
 using namespace ngsxfem_contact;
@@ -17,16 +19,20 @@ static std::vector<PieceDescriptions> PiecesOf (const Sheet & s)
   return all;
 }
 
-static Sheet MakeSheet (const std::vector<Crack> & loops, Triple origin, std::array<Triple,2> axes, std::optional<Crack> curve)
+static Sheet MakeSheet (const std::vector<Crack> & loops, Triple origin, std::array<Triple,2> axes, std::optional<Crack> curve, std::optional<HeightField> heights)
 {
   std::array<Point3,2> vectors { ToPoint(axes[0]), ToPoint(axes[1]) };
+  if (curve && heights) throw ngcore::Exception("Sheet: give either a curve that is extruded, or heights over the plane");
+  if (heights) return Sheet(std::make_shared<GraphSurface>(ToPoint(origin), vectors, *heights), loops);
   if (curve) return Sheet(std::make_shared<ExtrudedCurve>(*curve, ToPoint(origin), vectors), loops);
   return Sheet(ToPoint(origin), vectors, loops);
 }
 
 static std::shared_ptr<const ExtrudedCurve> ExtrusionOf (const Sheet & s) { return std::dynamic_pointer_cast<const ExtrudedCurve>(s.GetSurface()); }
 
-static const Plane & PlaneBelow (const Sheet & s) { return s.IsPlanar() ? s.GetPlane() : ExtrusionOf(s)->GetPlane(); }
+static std::shared_ptr<const GraphSurface> GraphOf (const Sheet & s) { return std::dynamic_pointer_cast<const GraphSurface>(s.GetSurface()); }
+
+static const Plane & PlaneBelow (const Sheet & s) { return s.IsPlanar() ? s.GetPlane() : s.GetSurface()->GetPlane(); }
 
 static void CheckPlanar (const Sheet & s, const char * what)
 {
@@ -54,6 +60,31 @@ void ExportFrontDemand (py::module & m)
                     [] (py::tuple t) { return FrontDemand { t[0].cast<double>(), t[1].cast<int>(), t[2].cast<int>(), t[3].cast<int>(), t[4].cast<int>(), t[5].cast<double>() }; }));
 }
 
+static void ExportHeightField (py::module & m)
+{
+  py::class_<HeightField>(m, "HeightField",
+      "Heights f(p1, p2) over a plane, a sum of cubic B-splines on a regular grid: two times continuously differentiable, linear beyond the grid. Sheet.FromTriangles fits one.\n\n"
+      "Parameters\n----------\nlower\n    (p1, p2) of the first knot of the grid.\nspacing\n    The distances of its knots in both directions.\ncoefficients\n"
+      "    (n1, n2), of each B-spline: three more than intervals in each direction.\n\nRaises\n------\nException\n    For fewer than 4 coefficients in a direction, and numbers that are not finite.")
+    .def(py::init([] (std::array<double,2> lower, std::array<double,2> spacing, py::array_t<double, py::array::c_style | py::array::forcecast> coefficients)
+         {
+           if (coefficients.ndim() != 2) throw ngcore::Exception("HeightField: the coefficients must be a matrix");
+           HeightField field { Point(lower[0], lower[1]), Point(spacing[0], spacing[1]), { size_t(coefficients.shape(0)), size_t(coefficients.shape(1)) },
+                               { coefficients.data(), coefficients.data()+coefficients.size() } };
+           field.Check();
+           return field;
+         }), py::arg("lower"), py::arg("spacing"), py::arg("coefficients"))
+    .def("At", [] (const HeightField & f, double p1, double p2) { auto at = f.At(Point(p1, p2)); return std::tuple(at[0], at[1], at[2]); }, py::arg("p1"), py::arg("p2"),
+         "The height, and its derivatives by p1 and p2.")
+    .def("__repr__", [] (const HeightField & f) { return py::str("HeightField({} x {} coefficients)").format(f.size[0], f.size[1]); })
+    .def(py::pickle([] (const HeightField & f) { return py::make_tuple(ToPair(f.lower), ToPair(f.spacing), f.size, f.coefficients); },
+                    [] (py::tuple t)
+                    {
+                      auto lower = t[0].cast<std::array<double,2>>(), spacing = t[1].cast<std::array<double,2>>();
+                      return HeightField { Point(lower[0], lower[1]), Point(spacing[0], spacing[1]), t[2].cast<std::array<size_t,2>>(), t[3].cast<std::vector<double>>() };
+                    }));
+}
+
 static void ExportSheet (py::module & m)
 {
   py::class_<Sheet>(m, "Sheet",
@@ -65,20 +96,22 @@ static void ExportSheet (py::module & m)
       "origin\n    A point (x, y, z) of the plane.\naxes\n"
       "    Two directions (x, y, z), made perpendicular and of unit length.\ncurve\n"
       "    A smooth open Crack in the plane of the axes. Then the loops are curves in the coordinates p1, the distance along a1 × a2, and p2, the arc length on the curve,\n"
-      "    which goes on straight beyond its ends.\n\nRaises\n------\nException\n"
+      "    which goes on straight beyond its ends.\nheights\n"
+      "    A HeightField over the plane: the sheet lies at these heights over what the loops bound, and its normal is on the side of a1 × a2.\n\nRaises\n------\nException\n"
       "    For loops that are not closed or meet each other, for holes that lie outside, for axes that are parallel, and for a curve that is closed or has a kink.\n\n"
       "Examples\n--------\n>>> square = Crack([(0, 0), (2, 0), (2, 2), (0, 2), (0, 0)])\n>>> sheet = Sheet([square], origin=(0, 0, 1))\n"
       ">>> sheet.normal, sheet.area\n((0.0, 0.0, 1.0), 4.0)")
-    .def(py::init(&MakeSheet), py::arg("loops"), py::arg("origin") = Triple { 0, 0, 0 }, py::arg("axes") = std::array<Triple,2> { Triple { 1, 0, 0 }, Triple { 0, 1, 0 } }, py::arg("curve") = py::none())
+    .def(py::init(&MakeSheet), py::arg("loops"), py::arg("origin") = Triple { 0, 0, 0 }, py::arg("axes") = std::array<Triple,2> { Triple { 1, 0, 0 }, Triple { 0, 1, 0 } }, py::arg("curve") = py::none(), py::arg("heights") = py::none())
     .def_property_readonly("loops", [] (const Sheet & s) { return s.Loops(); }, "The curves in the plane, of a curved sheet in its coordinates (p1, p2), with the sheet to their right: the outer one, then those of holes.")
-    .def_property_readonly("curve", [] (const Sheet & s) { return s.IsPlanar() ? std::nullopt : std::optional(ExtrusionOf(s)->Curve()); }, "The Crack that is extruded, None for a planar sheet.")
+    .def_property_readonly("curve", [] (const Sheet & s) { return ExtrusionOf(s) ? std::optional(ExtrusionOf(s)->Curve()) : std::nullopt; }, "The Crack that is extruded, or None.")
+    .def_property_readonly("heights", [] (const Sheet & s) { return GraphOf(s) ? std::optional(GraphOf(s)->Field()) : std::nullopt; }, "The HeightField over the plane, or None.")
     .def_property_readonly("planar", &Sheet::IsPlanar, "Whether it lies in a plane.")
     .def_property_readonly("origin", [] (const Sheet & s) { auto p = PlaneBelow(s).origin; return std::tuple(p(0), p(1), p(2)); }, "The point (x, y, z) of the plane with p1 = p2 = 0; of a curved sheet the origin of the plane of its curve.")
     .def_property_readonly("axes", [] (const Sheet & s) { return AxesOf(PlaneBelow(s)); }, "The unit vectors a1 and a2 of the plane's coordinates; of a curved sheet those of the plane of its curve.")
     .def_property_readonly("normal", [] (const Sheet & s) { CheckPlanar(s, "normal"); auto p = s.GetPlane().normal; return std::tuple(p(0), p(1), p(2)); },
                            "The unit normal n, from the minus to the plus side.\n\nRaises\n------\nException\n    Of a curved sheet, where it is not one vector.")
     .def_property_readonly("name", [] (const Sheet &) { return string(); }, "Empty: sheets have numbers only.")
-    .def_property_readonly("area", &Sheet::Area, "Its area, also of what lies outside of a body.")
+    .def_property_readonly("area", &Sheet::Area, "Its area, also of what lies outside of a body; of one with heights that of its projection.")
     .def("Contains", [] (const Sheet & s, Triple p) { return s.Contains(s.GetPlane().Project(s.Flat(ToPoint(p)))); }, py::arg("point"), "Whether the foot of a point (x, y, z) on the plane, or the nearest point of the curved surface, lies in the sheet.")
     .def("Flat", [] (const Sheet & s, Triple p)
          {
@@ -96,12 +129,14 @@ static void ExportSheet (py::module & m)
          {
            auto & plane = PlaneBelow(s);
            if (s.IsPlanar()) return py::str("Sheet({}, origin={}, axes={})").format(s.Loops(), ToTriple(plane.origin), AxesOf(plane));
+           if (GraphOf(s)) return py::str("Sheet({}, origin={}, axes={}, heights={})").format(s.Loops(), ToTriple(plane.origin), AxesOf(plane), GraphOf(s)->Field());
            return py::str("Sheet({}, origin={}, axes={}, curve={})").format(s.Loops(), ToTriple(plane.origin), AxesOf(plane), ExtrusionOf(s)->Curve());
          })
     .def(py::pickle([] (const Sheet & s)
                     {
                       auto & plane = PlaneBelow(s);
                       auto state = py::make_tuple(PiecesOf(s), ToTriple(plane.origin), AxesOf(plane));
+                      if (GraphOf(s)) return py::tuple(state + py::make_tuple(py::none(), GraphOf(s)->Field()));
                       return s.IsPlanar() ? state : py::tuple(state + py::make_tuple(PiecesOf(ExtrusionOf(s)->Curve())));
                     },
                     [] (py::tuple state)
@@ -109,8 +144,10 @@ static void ExportSheet (py::module & m)
                       std::vector<Crack> loops;
                       for (auto & pieces : state[0].cast<std::vector<PieceDescriptions>>()) loops.push_back(CrackOfPieces(pieces, ""));
                       std::optional<Crack> curve;
-                      if (state.size() > 3) curve = CrackOfPieces(state[3].cast<PieceDescriptions>(), "");
-                      return MakeSheet(loops, state[1].cast<Triple>(), state[2].cast<std::array<Triple,2>>(), curve);
+                      std::optional<HeightField> heights;
+                      if (state.size() == 4) curve = CrackOfPieces(state[3].cast<PieceDescriptions>(), "");
+                      if (state.size() == 5) heights = state[4].cast<HeightField>();
+                      return MakeSheet(loops, state[1].cast<Triple>(), state[2].cast<std::array<Triple,2>>(), curve, heights);
                     }));
 }
 
@@ -245,6 +282,7 @@ static void ExportSolid (py::module & m)
 
 void ExportSheets (py::module & m)
 {
+  ExportHeightField(m);
   ExportSheet(m);
   ExportFront(m);
   ExportCutTet(m);

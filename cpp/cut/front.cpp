@@ -12,13 +12,21 @@ namespace ngsxfem_contact
 
   std::array<Point3,3> Front :: FrameAt (double s) const
   {
+    if (surface) return LocalAt(s).frame;
+    Point tangent = curve.Tangent(curve.PieceAt(s), s);
+    return { plane.Direction(Left(tangent)), plane.normal, plane.Direction(tangent) };
+  }
+
+  Front::Local Front :: LocalAt (double s) const
+  {
     size_t piece = curve.PieceAt(s);
     Point tangent = curve.Tangent(piece, s);
-    if (!surface) return { plane.Direction(Left(tangent)), plane.normal, plane.Direction(tangent) };
     auto at = surface->At(curve.PointAt(piece, s));
-    Point3 along = tangent(0)*at.tangents[0] + tangent(1)*at.tangents[1];
+    auto in_space = [&] (Point d) { return Point3(d(0)*at.tangents[0] + d(1)*at.tangents[1]); };
+    Point3 along = in_space(tangent);
     along = 1/Norm(along) * along;
-    return { Cross(at.normal, along), at.normal, along };
+    Point3 ahead = Cross(at.normal, along);
+    return { { ahead, at.normal, along }, { Dot(in_space(Left(tangent)), ahead), Dot(at.up, ahead), Dot(at.up, at.normal) } };
   }
 
   Point3 Front :: PointAt (double s) const
@@ -30,21 +38,18 @@ namespace ngsxfem_contact
     return { plane.Direction(Left(tangent)), plane.Direction(tangent) };
   }
 
-  std::array<Point3,3> Front :: TurnAt (double s) const
+  Front::Local Front :: TurnAt (double s) const
   {
-    if (!surface)
-      {
-        auto [ahead, normal, along] = FrameAt(s);
-        double curvature = CurvatureAt(s);
-        return { Point3(curvature*along), Point3(0., 0., 0.), Point3(-curvature*ahead) };
-      }
     double step = 1e-5*Length(), from = s-step, to = s+step;
     if (IsClosed()) { from += from < 0 ? Length() : 0; to -= to > Length() ? Length() : 0; }
     else { from = std::max(from, 0.0); to = std::min(to, Length()); step = 0.5*(to-from); }
-    auto before = FrameAt(from), after = FrameAt(to);
-    std::array<Point3,3> turn;
-    for (int k = 0; k < 3; k++) turn[k] = 0.5/step * (after[k]-before[k]);
-    return turn;
+    auto before = LocalAt(from), after = LocalAt(to);
+    for (int k = 0; k < 3; k++)
+      {
+        after.frame[k] = 0.5/step * (after.frame[k]-before.frame[k]);
+        after.stretch[k] = 0.5/step * (after.stretch[k]-before.stretch[k]);
+      }
+    return after;
   }
 
   std::optional<size_t> Front :: StretchAt (double s) const

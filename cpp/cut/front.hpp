@@ -34,8 +34,11 @@ namespace ngsxfem_contact
     std::array<Point3,3> FrameAt (double s) const;
     /// Directions of x₁ and s in the plane of the curve.
     std::array<Point3,2> FlatFrameAt (double s) const;
-    /// The derivatives of FrameAt by s.
-    std::array<Point3,3> TurnAt (double s) const;
+    /// Of a curved sheet: FrameAt, and how x₁ and x₂ in flat coordinates are components along e₁ and e₂, stretch[0] x₁ + stretch[1] x₂ and stretch[2] x₂.
+    struct Local { std::array<Point3,3> frame; std::array<double,3> stretch; };
+    Local LocalAt (double s) const;
+    /// The derivatives of LocalAt by s.
+    Local TurnAt (double s) const;
     /// The number of the stretch between two corners that has s, 0 if there are none; nullopt at a corner.
     std::optional<size_t> StretchAt (double s) const;
     /// 1/R_f, positive where S is convex: along a curved sheet the geodesic curvature.

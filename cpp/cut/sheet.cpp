@@ -89,8 +89,6 @@ namespace ngsxfem_contact
 
   std::array<Point3,2> Sheet :: Bounds () const
   {
-    double large = std::numeric_limits<double>::infinity();
-    std::array<Point3,2> bounds { Point3(large, large, large), Point3(-large, -large, -large) };
     Box box;
     for (auto & arc : loops[0].Arcs(0.25))
       {
@@ -99,15 +97,6 @@ namespace ngsxfem_contact
         box.Add(hi);
       }
     if (surface) return surface->Bounds(box.lo, box.hi);
-    for (Point p : { box.lo, box.hi, Point(box.lo(0), box.hi(1)), Point(box.hi(0), box.lo(1)) })
-      {
-        Point3 x = plane.Value(p);
-        for (int k = 0; k < 3; k++)
-          {
-            bounds[0](k) = std::min(bounds[0](k), x(k));
-            bounds[1](k) = std::max(bounds[1](k), x(k));
-          }
-      }
-    return bounds;
+    return BoxOfPlane(plane, box.lo, box.hi, 0, 0);
   }
 }

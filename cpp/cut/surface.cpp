@@ -15,6 +15,23 @@ namespace ngsxfem_contact
     return { origin, { a, Cross(n, a) }, n };
   }
 
+  std::array<Point3,2> BoxOfPlane (const Plane & plane, Point lo, Point hi, double lowest, double highest)
+  {
+    double large = std::numeric_limits<double>::infinity();
+    std::array<Point3,2> bounds { Point3(large, large, large), Point3(-large, -large, -large) };
+    for (Point q : { lo, hi, Point(lo(0), hi(1)), Point(hi(0), lo(1)) })
+      for (double height : { lowest, highest })
+        {
+          Point3 x = plane.Value(q, height);
+          for (int k = 0; k < 3; k++)
+            {
+              bounds[0](k) = std::min(bounds[0](k), x(k));
+              bounds[1](k) = std::max(bounds[1](k), x(k));
+            }
+        }
+    return bounds;
+  }
+
   ExtrudedCurve :: ExtrudedCurve (Crack acurve, Point3 origin, std::array<Point3,2> axes) : curve(std::move(acurve)), plane(PlaneOf(origin, axes, "Sheet.Extrude"))
   {
     if (curve.IsClosed())
@@ -37,7 +54,7 @@ namespace ngsxfem_contact
     double s = std::clamp(p(1), 0.0, curve.Length());
     size_t piece = curve.PieceAt(s);
     Point tangent = curve.Tangent(piece, s), point = curve.PointAt(piece, s) + (p(1)-s)*tangent;
-    return { plane.Value(point, p(0)), { plane.normal, plane.Direction(tangent) }, plane.Direction(Left(tangent)) };
+    return { plane.Value(point, p(0)), { plane.normal, plane.Direction(tangent) }, plane.Direction(Left(tangent)), plane.Direction(Left(tangent)) };
   }
 
   std::array<Point3,2> ExtrudedCurve :: Bounds (Point lo, Point hi) const
@@ -50,18 +67,6 @@ namespace ngsxfem_contact
         box.Add(low);
         box.Add(high);
       }
-    double large = std::numeric_limits<double>::infinity();
-    std::array<Point3,2> bounds { Point3(large, large, large), Point3(-large, -large, -large) };
-    for (Point q : { box.lo, box.hi, Point(box.lo(0), box.hi(1)), Point(box.hi(0), box.lo(1)) })
-      for (double height : { lo(0), hi(0) })
-        {
-          Point3 x = plane.Value(q, height);
-          for (int k = 0; k < 3; k++)
-            {
-              bounds[0](k) = std::min(bounds[0](k), x(k));
-              bounds[1](k) = std::max(bounds[1](k), x(k));
-            }
-        }
-    return bounds;
+    return BoxOfPlane(plane, box.lo, box.hi, lo(0), hi(0));
   }
 }

@@ -19,24 +19,30 @@ namespace ngsxfem_contact
     Point3 Direction (Point d) const { return Point3(d(0)*axes[0] + d(1)*axes[1]); }
   };
 
+  /// The corners of a box in space of the points of a plane between lo and hi, and of heights.
+  std::array<Point3,2> BoxOfPlane (const Plane & plane, Point lo, Point hi, double lowest, double highest);
+
   /// what: in messages. Throws for axes that are parallel, or zero.
   Plane PlaneOf (Point3 origin, std::array<Point3,2> axes, const std::string & what);
 
-  /// x = X(p) + height n(p), n from the minus to the plus side.
+  /// x = X(p) + height d(p); n is the normal of X, from the minus to the plus side.
   class Surface
   {
   public:
     virtual ~Surface () = default;
-    /// (p₁, p₂, height) of the nearest point of the surface, which goes on beyond its ends. |height| is the distance from it.
+    /// (p₁, p₂, height) of a point; the surface goes on beyond its ends.
     virtual Point3 Flat (Point3 x) const = 0;
-    /// X, its derivatives by p₁ and p₂, and n.
-    struct Place { Point3 point; std::array<Point3,2> tangents; Point3 normal; };
+    /// X, its derivatives by p₁ and p₂, n and d.
+    struct Place { Point3 point; std::array<Point3,2> tangents; Point3 normal, up; };
     virtual Place At (Point p) const = 0;
     /// The corners of a box in space of the points with coordinates between lo and hi.
     virtual std::array<Point3,2> Bounds (Point lo, Point hi) const = 0;
+    /// Of the coordinates that the surface is given in.
+    virtual const Plane & GetPlane () const = 0;
   };
 
-  /// X(p) = a curve of a plane at arc length p₂, moved by p₁ along the normal of the plane; n is that of the curve. Lengths and angles are those of the coordinates.
+  /// X(p) = a curve of a plane at arc length p₂, moved by p₁ along the normal of the plane; n is that of the curve. Lengths and angles are those of the
+  /// coordinates, which are those of the nearest point: d = n, and |height| is the distance.
   class ExtrudedCurve final : public Surface
   {
     Crack curve;
@@ -46,7 +52,7 @@ namespace ngsxfem_contact
     /// Throws for curves that are closed or have kinks.
     ExtrudedCurve (Crack acurve, Point3 origin, std::array<Point3,2> axes);
     const Crack & Curve () const { return curve; }
-    const Plane & GetPlane () const { return plane; }
+    const Plane & GetPlane () const override { return plane; }
     Point3 Flat (Point3 x) const override;
     Place At (Point p) const override;
     std::array<Point3,2> Bounds (Point lo, Point hi) const override;

@@ -100,12 +100,14 @@ namespace ngsxfem_contact
         return FrontsNear(centre, size, mesh.GetElement(ElementId(VOL, element)).Vertices());
       }
 
-      /// Those in whose coordinates a rule is made: all of planar sheets, or of the curved sheet of the nearest one. Returns the sheet.
-      size_t KeepAround (std::vector<const Front*> & near, Point3 centre) const
+      /// The sheet in whose coordinates a rule around fronts is made. Throws where fronts have no common ones.
+      size_t CommonSheet (const std::vector<const Front*> & near, Point3 centre) const
       {
-        auto nearest = *std::ranges::min_element(near, {}, [centre] (auto front) { return front->Distance(centre); });
-        std::erase_if(near, [&] (auto front) { return front->IsPlanar() != nearest->IsPlanar() || (!front->IsPlanar() && front->SheetNumber() != nearest->SheetNumber()); });
-        return nearest->SheetNumber();
+        for (auto front : near)
+          if (front->SheetNumber() != near[0]->SheetNumber() && !(front->IsPlanar() && near[0]->IsPlanar()))
+            throw ngcore::Exception("CrackedMesh: sheets " + std::to_string(near[0]->SheetNumber()) + " and " + std::to_string(front->SheetNumber())
+                                    + ", one of them curved, have fronts too near to each other for rules around both, near " + ToString(centre) + "; refine the mesh there");
+        return near[0]->SheetNumber();
       }
 
       bool Wanted (const CutTet * cut, int side) const
@@ -137,13 +139,13 @@ namespace ngsxfem_contact
               }
       }
 
-      std::unique_ptr<ElementRule> VolumeRule (size_t element, const Tet & t, std::vector<const Front*> near) const
+      std::unique_ptr<ElementRule> VolumeRule (size_t element, const Tet & t, const std::vector<const Front*> & near) const
       {
         auto cut = body.Find(element);
         PointRule3 points;
         if (!near.empty())
           {
-            Tet flat = body.FlatTet(KeepAround(near, Centre(t)), element);
+            Tet flat = body.FlatTet(CommonSheet(near, Centre(t)), element);
             AppendSingular(element, flat, cut, FrontRule(near, Raised()), points);
             return InTet(flat, points);
           }
@@ -206,7 +208,7 @@ namespace ngsxfem_contact
             for (auto & x : t) size = std::max(size, Norm(Point3(x-centre)));
             auto near = FrontsNear(centre, size, v);
             if (!divided && near.empty()) continue;
-            if (!near.empty()) t = body.FlatTriangle(KeepAround(near, centre), i);
+            if (!near.empty()) t = body.FlatTriangle(CommonSheet(near, centre), i);
             std::vector<Triangle> parts { { Point(1., 0.), Point(0., 1.), Point(0., 0.) } };
             if (divided)
               {

@@ -75,7 +75,8 @@ namespace ngsxfem_contact
       return { C, S, R };
     }
 
-    /// x₁, x₂ and s are functions of the flat coordinates, which are affine in the element: x₂ = 0 on the sheet there. The frame is that of the surface at C(s).
+    /// x₁, x₂ and s are functions of the flat coordinates, which are affine in the element: x₂ = 0 on the sheet there. The frame is that of the surface at C(s), and x₁, x₂
+    /// become components along it.
     template <typename T>
     void EvaluateCurved (Vec<3,T> p, int side, const FlatMap & flat, Vec<3,AutoDiff<3,T>> * values) const
     {
@@ -88,10 +89,17 @@ namespace ngsxfem_contact
         for (int i = 0; i < 3; i++) g(i) = d(0)*flat.rows[0](i+1) + d(1)*flat.rows[1](i+1) + d(2)*flat.rows[2](i+1);
         return g;
       };
-      auto [C, S, R] = Polar(Linear(at.x1, gradient(at.ahead)), Linear(side ? T(0.) : at.x2, gradient(Cross3(at.along, at.ahead))), side);
+      Vec<3,T> ds = gradient(at.along), dx1 = gradient(at.ahead), dx2 = gradient(Cross3(at.along, at.ahead));
+      T x2 = side ? T(0.) : at.x2;
+      AutoDiff<3,T> y1(at.stretch[0]*at.x1 + at.stretch[1]*x2), y2(at.stretch[2]*x2);
+      for (int i = 0; i < 3; i++)
+        {
+          ds(i) = ds(i) / (1. + at.curvature*at.x1);
+          y1.DValue(i) = at.stretch[0]*dx1(i) + at.stretch[1]*dx2(i) + (at.stretch_change[0]*at.x1 + at.stretch_change[1]*x2)*ds(i);
+          y2.DValue(i) = at.stretch[2]*dx2(i) + at.stretch_change[2]*x2*ds(i);
+        }
+      auto [C, S, R] = Polar(y1, y2, side);
       auto plane = WilliamsModes(C, S, R).Fields(material.kappa);
-      Vec<3,T> ds = gradient(at.along);
-      for (int i = 0; i < 3; i++) ds(i) = ds(i) / (1. + at.curvature*at.x1);
       double scale = Scale();
       for (int k = 0; k < 3; k++)
         {
@@ -126,23 +134,33 @@ namespace ngsxfem_contact
       template <typename F> void Visit (F && visit) { visit(x1); visit(x2); visit(curvature); VisitAll(visit, e1, e2, e3); }
     };
 
-    /// ahead, along: directions of x₁ and s in flat coordinates. frame, turn: e₁, e₂, e₃ in space, and their derivatives by s.
+    /// ahead, along: directions of x₁ and s in flat coordinates. frame, stretch: of Front::LocalAt, and their derivatives by s.
     template <typename T>
     struct CurvedTube
     {
       template <typename U> using Of = CurvedTube<U>;
-      T x1, x2, curvature;
+      T x1, x2, curvature, stretch[3], stretch_change[3];
       Vec<3,T> ahead, along, frame[3], turn[3];
       void Set (const Front & front, const Front::TubePoint & at)
       {
         auto [a1, a3] = front.FlatFrameAt(at.s);
         x1 = at.x1; x2 = at.x2; curvature = front.CurvatureAt(at.s);
         ahead = a1; along = a3;
-        auto vectors = front.FrameAt(at.s), turns = front.TurnAt(at.s);
-        for (int k = 0; k < 3; k++) { frame[k] = vectors[k]; turn[k] = turns[k]; }
+        auto local = front.LocalAt(at.s), change = front.TurnAt(at.s);
+        for (int k = 0; k < 3; k++)
+          {
+            frame[k] = local.frame[k];
+            turn[k] = change.frame[k];
+            stretch[k] = local.stretch[k];
+            stretch_change[k] = change.stretch[k];
+          }
       }
       template <typename F> void Visit (F && visit)
-      { visit(x1); visit(x2); visit(curvature); VisitAll(visit, ahead, along, frame[0], frame[1], frame[2], turn[0], turn[1], turn[2]); }
+      {
+        visit(x1); visit(x2); visit(curvature);
+        for (int k = 0; k < 3; k++) { visit(stretch[k]); visit(stretch_change[k]); }
+        VisitAll(visit, ahead, along, frame[0], frame[1], frame[2], turn[0], turn[1], turn[2]);
+      }
     };
 
     template <typename F, typename... VECTORS>
@@ -157,7 +175,7 @@ namespace ngsxfem_contact
       if constexpr (std::is_same_v<T, double>) tube.Set(front, front.FlatTube(p));
       else
         {
-          std::array<std::array<double,27>, T::Size()> lanes;
+          std::array<std::array<double,33>, T::Size()> lanes;
           for (size_t k = 0; k < lanes.size(); k++)
             {
               typename TUBE::template Of<double> lane;

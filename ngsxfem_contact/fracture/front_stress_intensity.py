@@ -107,7 +107,7 @@ def front_factors(
     Raises
     ------
     ValueError
-        If the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
+        For a sheet with heights over a plane; if the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
         fields that are not finite.
     TypeError
         For other arguments.
@@ -123,6 +123,8 @@ def front_factors(
     if getattr(material, "form", "") == "plane stress":
         raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.Solid(E, nu) has them")
     curve = FrontCurve(body, front)
+    if not curve.sheet.planar and curve.sheet.curve is None:
+        raise ValueError(f"front_factors: front {front} is that of a sheet with heights over a plane; K is there for planar sheets and extruded cracks")
     h = curve.h
     if radius is not None:
         check_positive(radius, f"front_factors: radius at front {front}")

@@ -14,6 +14,7 @@ from ngsolve import VOL, ElementId
 
 from ..material import Isotropic
 from ..points import place
+from .extruded_tube import ExtrudedTube
 
 if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedSolid
@@ -156,6 +157,18 @@ class FrontCurve:
         tangents = np.array([self.sheet.FrameAt(*p)[1:] for p in at])
         return at, np.einsum("nki,nai->nka", self.Frames(s)[:, [0, 2]], tangents)
 
+    def Circles(self, s: np.ndarray, radius: float) -> np.ndarray:
+        """Points (n, 24, 3) at a distance from C(s), around it."""
+        if not self.sheet.planar:
+            return self.tube.At(np.repeat(s, len(CIRCLE)), *np.tile(radius * np.array([np.cos(CIRCLE), np.sin(CIRCLE)]), len(s))).points.reshape(len(s), -1, 3)
+        points, frames = self.Points(s), self.Frames(s)
+        return points[:, None] + radius * (np.cos(CIRCLE)[:, None] * frames[:, None, 0] + np.sin(CIRCLE)[:, None] * frames[:, None, 1])
+
+    @cached_property
+    def tube(self) -> ExtrudedTube:
+        """The coordinates around it, of a curved sheet."""
+        return ExtrudedTube(self)
+
     def Beside(self, s: np.ndarray, x1: float) -> np.ndarray:
         """The points (n, 3) of the sheet's surface at a distance x₁ ahead."""
         if self.sheet.planar:
@@ -247,10 +260,10 @@ class Room:
 
     def Obstacles(self, s: np.ndarray, radius: float) -> list[str]:
         """What the disc of a radius at each s meets, "" for nothing."""
-        points, frames, kappa = self.curve.Points(s), self.curve.Frames(s), self.curve.Curvatures(s)
+        points, kappa = self.curve.Points(s), self.curve.Curvatures(s)
         s, found = self.curve.Inside(s), np.full(len(s), "", dtype=object)
         for share in (0.5, 1):
-            circle = points[:, None] + share * radius * (np.cos(CIRCLE)[:, None] * frames[:, None, 0] + np.sin(CIRCLE)[:, None] * frames[:, None, 1])
+            circle = self.curve.Circles(s, share * radius)
             at = self.mesh(*np.concatenate([circle, points[:, None]], axis=1).reshape(-1, 3).T)["nr"].reshape(len(s), -1)
             found[(at < 0).any(axis=1)] = "the boundary of the body"
             if self.regions is not None:

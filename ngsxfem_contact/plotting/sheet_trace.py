@@ -9,8 +9,6 @@ import numpy as np
 from .polygons import Triangle, divided, ear_triangles, holds, inner_point, twice_area
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from .._ngsxfem_contact import CrackedSolid, Sheet, SheetCell
 
 SAME = 1e-7  # relative to an element: what is nearer is one point
@@ -52,13 +50,11 @@ class SheetTrace:
     def __init__(self, body: CrackedSolid, crack: int) -> None:
         self.sheet, self.cells = body.cracks[crack], body.Elements(crack)
         self._places: list[np.ndarray] = []
-        self._cell_of: list[int] = []
-        self._cell = 0  # the number of the cell that is divided
         self.nodes: dict[Node, int] = {}
         self.sides: dict[Node, tuple[Node, Node]] = {}
         self.between: dict[Node, list[int]] = {}
-        corners = [self._Corners(cell) for cell in self._EachCell()]
-        lines = [self._Lines(cell, around) for cell, around in zip(self._EachCell(), corners)]
+        corners = [self._Corners(cell) for cell in self.cells]
+        lines = [self._Lines(cell, around) for cell, around in zip(self.cells, corners)]
         for (p, _), numbers in self.between.items():
             numbers.sort(key=lambda number, p=p: float(np.sum((self._places[number] - self._places[p]) ** 2)))  # type: ignore[misc]
         self._points = np.array(self._places).reshape(-1, 2)
@@ -72,9 +68,7 @@ class SheetTrace:
             inside += [True] if len(loops) == 1 and not self.cells[number].chords else [self._IsInside(loop) for loop in loops]
         self.loop_cell, self.inside = np.array(of_cell, dtype=int), np.array(inside, dtype=bool)
         on_outline = set(self.outline.ravel().tolist())
-        self.triangles = []
-        for self._cell, loop, here in zip(of_cell, self.loops, inside):
-            self.triangles.append(self._Triangles(loop, on_outline if here else set()))
+        self.triangles = [self._Triangles(loop, on_outline if here else set()) for loop, here in zip(self.loops, inside)]
         self.points = np.array(self._places).reshape(-1, 2)
         self.places = self._InSpace()
 
@@ -83,19 +77,14 @@ class SheetTrace:
         """(n,): the element of the mesh that carries each polygon."""
         return np.array([cell.element for cell in self.cells], dtype=int)[self.loop_cell]
 
-    def _EachCell(self) -> Iterator[SheetCell]:
-        for self._cell, cell in enumerate(self.cells):
-            yield cell
-
     def _InSpace(self) -> np.ndarray:
-        """(N, 3): by the affine map of each polygon from its coordinates to space."""
+        """(N, 3): of a curved sheet by the affine map of a polygon that a point belongs to, from its coordinates to space."""
         if self.sheet.planar:
             return np.array(self.sheet.origin) + self.points @ np.array(self.sheet.axes)
-        places, of_cell = np.empty((len(self.points), 3)), np.array(self._cell_of, dtype=int)
-        for number in np.unique(of_cell):
-            cell, own = self.cells[number], of_cell == number
-            flat, space = np.array(cell.polygon), np.array(cell.points)
-            affine = np.linalg.lstsq(flat[1:] - flat[0], space[1:] - space[0], rcond=None)[0]
+        places = np.array([self.sheet.PointAt(*p) for p in self.points]).reshape(-1, 3)
+        for number, loop, triangles in zip(self.loop_cell, self.loops, self.triangles):
+            flat, space = np.array(self.cells[number].polygon), np.array(self.cells[number].points)
+            affine, own = np.linalg.lstsq(flat[1:] - flat[0], space[1:] - space[0], rcond=None)[0], [*loop, *np.ravel(triangles)]
             places[own] = space[0] + (self.points[own] - flat[0]) @ affine
         return places
 
@@ -132,7 +121,6 @@ class SheetTrace:
 
     def _Add(self, place: Any) -> int:
         self._places.append(np.asarray(place, dtype=float))
-        self._cell_of.append(self._cell)
         return len(self._places) - 1
 
     def _Corners(self, cell: SheetCell) -> list[int]:
@@ -203,7 +191,7 @@ class SheetTrace:
 
 def middle_normal(sheet: Sheet) -> np.ndarray:
     """The unit normal, of a curved sheet that at the middle of its outer curve."""
-    return np.array(sheet.normal if sheet.planar else sheet.FrameAt(*np.mean(sheet.loops[0].Outline(), axis=0))[0])
+    return np.array(sheet.normal if sheet.planar else sheet.FrameAt(*0.5 * (np.min(outline := sheet.loops[0].Outline(), axis=0) + np.max(outline, axis=0)))[0])
 
 
 def in_order(cell: SheetCell, loops: Any) -> list[tuple[int, float, float]]:
