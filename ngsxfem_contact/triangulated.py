@@ -1,7 +1,5 @@
 """Sheets of triangulated surfaces: Sheet.FromTriangles, Sheet.FromSTL, Sheet.FromFace. They become smooth heights over a plane (docs/method.md, section 20)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +23,7 @@ MARGIN = 0.25  # of the size, around the surface: there the heights go on smooth
 MOST_KNOTS = 120  # in a direction
 SMOOTHING = 1e-7  # weight of third differences beside the squares of residuals
 ROUGH = 0.02  # of the mean edge: farther from a corner the smooth surface is another one
+NEAR = 0.005  # of the mean edge: so near is the boundary to the spline through its corners, with as few pieces as that takes
 
 
 def from_triangles(points: Any, triangles: Any) -> Sheet:
@@ -50,6 +49,7 @@ def from_triangles(points: Any, triangles: Any) -> Sheet:
     Heights over that plane are cubic B-splines at distances of a mean edge, the boundary is a cubic spline with corners where it turns by more than 30°.
     """
     points, triangles = merged(*checked_triangles(points, triangles))
+    around = boundary_loops(triangles, points)
     a, b, c = np.moveaxis(points[triangles], 1, 0)
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1)
@@ -66,7 +66,7 @@ def from_triangles(points: Any, triangles: Any) -> Sheet:
     axes = np.array(plane_axes(mean))
     flat, heights = (points - origin) @ axes.T, (points - origin) @ mean
     edge = float(np.mean([np.linalg.norm(q - p, axis=1).mean() for p, q in ((a, b), (b, c), (c, a))]))
-    loops = sorted((boundary_curve(flat[loop]) for loop in boundary_loops(triangles, points)), key=lambda loop: -float(np.ptp(loop.Outline(), axis=0).max()))
+    loops = sorted((boundary_curve(flat[loop], NEAR * edge) for loop in around), key=lambda loop: -float(np.ptp(loop.Outline(), axis=0).max()))
     return Sheet(loops, origin.tolist(), axes.tolist(), heights=fitted(flat, heights, edge, points))
 
 
@@ -126,21 +126,36 @@ def boundary_loops(triangles: np.ndarray, points: np.ndarray) -> list[list[int]]
     return loops
 
 
-def boundary_curve(points: np.ndarray) -> Crack:
-    """The closed curve through points (n, 2): straight or cubic splines between corners, one periodic spline without."""
+def boundary_curve(points: np.ndarray, tolerance: float) -> Crack:
+    """The closed curve through points (n, 2): segments or cubic splines between corners, one periodic spline without."""
     sides = np.roll(points, -1, axis=0) - points
     before = np.roll(sides, 1, axis=0)
     turns = np.abs(np.arctan2(before[:, 0] * sides[:, 1] - before[:, 1] * sides[:, 0], (before * sides).sum(axis=1)))
     corners = np.flatnonzero(turns > np.radians(CORNER))
     if not len(corners):
-        closed = np.concatenate([points, points[:1]])
-        chords = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(closed, axis=0).T))])
-        return curves.of_spline(CubicSpline(chords, closed, bc_type="periodic"))
+        return smooth_curve(np.concatenate([points, points[:1]]), "periodic", tolerance)
     points, corners = np.roll(points, -corners[0], axis=0), corners - corners[0]
     ends = [*corners.tolist(), len(points)]
     around = np.concatenate([points, points[:1]])
     stretches = [around[first : last + 1] for first, last in zip(ends[:-1], ends[1:])]
-    return Crack.Join(*(straight(stretch) or Crack.Spline(stretch) for stretch in stretches))
+    return Crack.Join(*(straight(stretch) or smooth_curve(stretch, "not-a-knot", tolerance) for stretch in stretches))
+
+
+def smooth_curve(points: np.ndarray, ends: str, tolerance: float) -> Crack:
+    """The spline through points of the one through all points (n, 2), at equal distances, as few as keep it within a tolerance."""
+    chords = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    whole = CubicSpline(chords, points, bc_type=ends)
+    samples = np.linspace(0, chords[-1], 16 * len(points))
+    pieces = 6 if ends == "periodic" else 3
+    while pieces < len(points) - 1:
+        knots = np.linspace(0, chords[-1], pieces + 1)
+        values = whole(knots)
+        values[-1] = points[-1]
+        few = CubicSpline(knots, values, bc_type=ends)
+        if np.linalg.norm(few(samples) - whole(samples), axis=1).max() <= tolerance:
+            return curves.of_spline(few)
+        pieces = int(np.ceil(1.25 * pieces))
+    return curves.of_spline(whole)
 
 
 def straight(points: np.ndarray) -> Crack | None:
