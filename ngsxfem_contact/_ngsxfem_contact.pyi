@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 import collections.abc
+import netgen.libngpy._NgOCC
 import ngsolve.comp
 import ngsolve.fem
 import ngsolve.la
 import numpy
 import numpy.typing
+import pathlib
 import pyngcore.pyngcore
 import typing
 
@@ -36,6 +38,7 @@ __all__: list[str] = [
     "FrontSpec",
     "FunctionOf",
     "GridFunctionOf",
+    "HeightField",
     "InnerIntegrals",
     "IntegralsOn",
     "IsTestFunction",
@@ -495,9 +498,23 @@ class CrackedMesh:
     def tips(self) -> list[Tip]:
         """The Tips of all cracks: for each crack that of its start, then that of its end, where they lie inside the body."""
 
+class HeightField:
+    """Heights f(p1, p2) over a plane, a sum of cubic B-splines on a regular grid: two times continuously differentiable, linear beyond the grid. Sheet.FromTriangles fits one."""
+
+    def At(self, p1: float, p2: float) -> tuple[float, float, float]:
+        """The height, and its derivatives by p1 and p2."""
+
+    def __init__(
+        self,
+        lower: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"],
+        spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"],
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ) -> None: ...
+
 class Sheet:
-    """A planar crack in space: the part of a plane that closed curves bound. Its unit normal n = a1 × a2 points from the minus to the plus side.
-    Sheet.Disk, Sheet.Ellipse, Sheet.Polygon and Sheet.Ring make common ones. What lies outside of the body is cut off: a sheet that reaches the boundary of the
+    """A crack in space: the part of a plane that closed curves bound. Its unit normal n = a1 × a2 points from the minus to the plus side. With a curve it is the part of the
+    curved surface that the curve of the plane sweeps along n = a1 × a2, and the normal is that of the curve.
+    Sheet.Disk, Sheet.Ellipse, Sheet.Polygon, Sheet.Ring and Sheet.Extrude make common ones. What lies outside of the body is cut off: a sheet that reaches the boundary of the
     body has a mouth there, inside the body it has a front."""
 
     @staticmethod
@@ -509,6 +526,28 @@ class Sheet:
         """The ellipse center + cos(t) a + sin(t) b; its normal is a × b."""
 
     @staticmethod
+    def Extrude(
+        crack: Crack,
+        direction: collections.abc.Sequence[float],
+        origin: collections.abc.Sequence[float] = (0, 0, 0),
+        x_axis: collections.abc.Sequence[float] | None = None,
+        loops: collections.abc.Sequence[Crack] | None = None,
+    ) -> Sheet:
+        """The surface that a smooth crack of a plane sweeps along its normal: a curved crack."""
+
+    @staticmethod
+    def FromFace(face: netgen.libngpy._NgOCC.Face, maxh: float) -> Sheet:
+        """A face of an OpenCASCADE shape as a sheet: it is triangulated, see Sheet.FromTriangles."""
+
+    @staticmethod
+    def FromSTL(path: str | pathlib.Path) -> Sheet:
+        """The surface of a file in STL format, text or binary: see Sheet.FromTriangles."""
+
+    @staticmethod
+    def FromTriangles(points: typing.Any, triangles: typing.Any) -> Sheet:
+        """The smooth surface through the corners of a triangulation, bounded by the smooth curve through its boundary."""
+
+    @staticmethod
     def Polygon(points: collections.abc.Sequence[collections.abc.Sequence[float]] | numpy.ndarray) -> Sheet:
         """The polygon with given corners in a plane; its normal points to where they run counter-clockwise."""
 
@@ -517,7 +556,16 @@ class Sheet:
         """What lies between two circles around a center: a ring-shaped crack with two fronts."""
 
     def Contains(self, point: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"]) -> bool:
-        """Whether the foot of a point (x, y, z) on the plane lies in the sheet."""
+        """Whether the foot of a point (x, y, z) on the plane, or the nearest point of the curved surface, lies in the sheet."""
+
+    def Flat(self, point: typing.Annotated[collections.abc.Sequence[float], "FixedSize(3)"]) -> tuple[float, float, float]:
+        """(p1, p2, height) of a point (x, y, z): the coordinates of its foot, and its distance, positive on the plus side."""
+
+    def FrameAt(self, p1: float, p2: float) -> typing.Annotated[list[typing.Annotated[list[float], "FixedSize(3)"]], "FixedSize(3)"]:
+        """The unit normal and the unit tangents along p1 and p2 at the point with coordinates p1, p2."""
+
+    def PointAt(self, p1: float, p2: float) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """The point (x, y, z) with coordinates p1, p2."""
 
     def __init__(
         self,
@@ -527,18 +575,28 @@ class Sheet:
             [1.0, 0.0, 0.0],
             [0.0, 1.0, 0.0],
         ],
+        curve: Crack | None = None,
+        heights: HeightField | None = None,
     ) -> None: ...
     @property
     def area(self) -> float:
-        """Its area, also of what lies outside of a body."""
+        """Its area, also of what lies outside of a body; of one with heights that of its projection."""
 
     @property
     def axes(self) -> typing.Annotated[list[typing.Annotated[list[float], "FixedSize(3)"]], "FixedSize(2)"]:
-        """The unit vectors a1 and a2 of the plane's coordinates."""
+        """The unit vectors a1 and a2 of the plane's coordinates; of a curved sheet those of the plane of its curve."""
+
+    @property
+    def curve(self) -> Crack | None:
+        """The Crack that is extruded, or None."""
+
+    @property
+    def heights(self) -> HeightField | None:
+        """The HeightField over the plane, or None."""
 
     @property
     def loops(self) -> list[Crack]:
-        """The curves in the plane, with the sheet to their right: the outer one, then those of holes."""
+        """The curves in the plane, of a curved sheet in its coordinates (p1, p2), with the sheet to their right: the outer one, then those of holes."""
 
     @property
     def name(self) -> str:
@@ -550,7 +608,11 @@ class Sheet:
 
     @property
     def origin(self) -> tuple[float, float, float]:
-        """The point (x, y, z) of the plane with p1 = p2 = 0."""
+        """The point (x, y, z) of the plane with p1 = p2 = 0; of a curved sheet the origin of the plane of its curve."""
+
+    @property
+    def planar(self) -> bool:
+        """Whether it lies in a plane."""
 
 class Front:
     """Where a sheet ends inside the body: a curve C(s) with the frame e1 ahead, out of the sheet, e2 = n and e3 = e1 × e2, the direction in which s grows."""
@@ -624,6 +686,10 @@ class SheetCell:
     @property
     def nodes(self) -> list[typing.Annotated[list[int], "FixedSize(2)"]]:
         """Of each corner of the polygon the two vertices of the mesh, in the order of their numbers, between which the plane cuts the edge; twice the same one on the plane."""
+
+    @property
+    def points(self) -> list[typing.Annotated[list[float], "FixedSize(3)"]]:
+        """The corners (x, y, z)."""
 
     @property
     def polygon(self) -> list[tuple[float, float]]:
@@ -713,6 +779,10 @@ class CrackedSolid:
     @property
     def notes(self) -> list[str]:
         """Sentences on what was moved: none, sheets stay where they are."""
+
+    @property
+    def tangent(self) -> ngsolve.fem.CoefficientFunction:
+        """The first unit tangent on the cracks: a1 of a planar sheet, of a curved one the direction along p1 in each element."""
 
     @property
     def tips(self) -> list[tuple[numpy.ndarray, numpy.ndarray]]:

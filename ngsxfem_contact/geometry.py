@@ -8,8 +8,8 @@ import numpy as np
 from ngsolve import BND, CF, Integrate, Mesh, ds, dx
 
 from . import _ngsxfem_contact as core
-from . import curves  # noqa: F401  gives Crack its curves
-from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, Sheet, Side
+from . import curves, triangulated  # noqa: F401  give Crack its curves, and Sheet its triangulated surfaces
+from ._ngsxfem_contact import Crack, ElementKind, EndKind, FrontDemand, HeightField, Sheet, Side
 from .arguments import check_type
 from .description import as_html, as_text, of_body, of_solid
 from .share import share_of
@@ -18,7 +18,7 @@ from .sheets import body_in_space
 if TYPE_CHECKING:
     from .description import Lines
 
-__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "Sheet", "Side"]
+__all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "HeightField", "Sheet", "Side"]
 
 
 class CrackedMesh(core.CrackedMesh):

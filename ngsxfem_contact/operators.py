@@ -156,8 +156,9 @@ def on_crack(body: CrackedMesh, number: int) -> CoefficientFunction:
 
 
 def SheetTangent(body: Any, number: int) -> CoefficientFunction:
-    """The unit vector a_1 (number 0) or a_2 (1) of the plane of the sheet on which a point lies; body: a CrackedSolid."""
-    vectors = [CF(tuple(sheet.axes[number])) for sheet in body.cracks]
+    """The unit vector a_1 (number 0) or a_2 (1) of the plane of the sheet on which a point lies, of a curved one that along p_1 or p_2; body: a CrackedSolid."""
+    curved = body.tangent if number == 0 else Cross(body.normal, body.tangent)
+    vectors = [CF(tuple(sheet.axes[number])) if sheet.planar else curved for sheet in body.cracks]
     tangent = vectors[0]
     for sheet, vector in enumerate(vectors[1:], 1):
         tangent = IfPos(on_crack(body, sheet), vector, tangent)

@@ -1,4 +1,4 @@
-"""Common planar cracks in space: Sheet.Disk, Sheet.Ellipse, Sheet.Polygon, Sheet.Ring; and the body that they crack."""
+"""Common cracks in space: Sheet.Disk, Sheet.Ellipse, Sheet.Polygon, Sheet.Ring, Sheet.Extrude; and the body that they crack."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias
@@ -160,8 +160,56 @@ def polygon(points: Vectors) -> Sheet:
     return Sheet([Crack(closed)], origin.tolist(), axes)
 
 
-for name, constructor in (("Disk", disk), ("Ellipse", ellipse), ("Polygon", polygon), ("Ring", ring)):
+def extrude(crack: Crack, direction: Vector, origin: Vector = (0, 0, 0), x_axis: Vector | None = None, loops: Sequence[Crack] | None = None) -> Sheet:
+    """The surface that a smooth crack of a plane sweeps along its normal: a curved crack.
+
+    The plane goes through the origin, normal to the direction; the crack's coordinates run along x_axis and direction × x_axis. The normal of the sheet is that of
+    the crack, from its minus to its plus side.
+
+    Parameters
+    ----------
+    crack : Crack
+        Open and without kinks: a segment, arcs, a spline, joined smoothly. It goes on straight beyond its ends.
+    direction : (x, y, z)
+        By which it is moved: the sheet lies between the crack at the origin and the crack at origin + direction.
+    origin : (x, y, z)
+        The point of the plane with the crack's coordinates (0, 0).
+    x_axis : (x, y, z)
+        Perpendicular to the direction, of any length; default: (1, 0, 0) made perpendicular to it, along x directions (0, 1, 0).
+    loops : sequence of Crack
+        Closed curves in the coordinates (distance along the direction, arc length on the crack) that bound the sheet, the outer one first; default: all that is swept.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what is no crack, vectors that are none or zero, an x_axis that is not perpendicular to the direction.
+    Exception
+        For a crack that is closed or has a kink, with the place, and for loops that Sheet refuses.
+    """
+    check_type(crack, Crack, "Sheet.Extrude: crack", "a Crack of the plane")
+    unit = checked_direction(direction, "Sheet.Extrude: direction")
+    if x_axis is None:
+        x_axis = (1, 0, 0) if abs(unit[0]) < 0.9 else (0, 1, 0)
+        first = np.array(x_axis) - unit * unit[np.argmax(x_axis)]
+    elif abs((first := checked_direction(x_axis, "Sheet.Extrude: x_axis")) @ unit) > 1e-8:
+        raise ValueError(
+            f"Sheet.Extrude: x_axis={tuple(first.tolist())} is not perpendicular to the direction {tuple(unit.tolist())}; the crack's plane is normal to it"
+        )
+    height, length = float(np.linalg.norm(checked_vector(direction, "Sheet.Extrude: direction"))), crack.length
+    loops = [Crack([(0, 0), (height, 0), (height, length), (0, length), (0, 0)])] if loops is None else list(loops)
+    axes = [first.tolist(), np.cross(unit, first).tolist()]
+    return Sheet(loops, checked_vector(origin, "Sheet.Extrude: origin").tolist(), axes, crack)
+
+
+for name, constructor in (("Disk", disk), ("Ellipse", ellipse), ("Polygon", polygon), ("Ring", ring), ("Extrude", extrude)):
     setattr(Sheet, name, staticmethod(constructor))
+
+
+def heights_over(sheet: Sheet, points: np.ndarray) -> np.ndarray:
+    """(n,), positive on the plus side, of points (n, 3) over a sheet."""
+    if sheet.planar:
+        return (points - sheet.origin) @ np.array(sheet.normal)
+    return np.array([sheet.Flat(point)[2] for point in points.tolist()])
 
 
 def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:

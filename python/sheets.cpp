@@ -1,4 +1,6 @@
 #include "convert.hpp"
+#include <pybind11/numpy.h>
+#include "cut/height_field.hpp"
 #include "forms/front_tube.hpp"
 
 using namespace ngsxfem_contact;
@@ -8,7 +10,7 @@ using Triple = std::array<double,3>;
 static Triple ToTriple (Point3 p) { return { p(0), p(1), p(2) }; }
 static Point3 ToPoint (Triple p) { return Point3(p[0], p[1], p[2]); }
 
-static std::array<Triple,2> AxesOf (const Sheet & s) { return { ToTriple(s.GetPlane().axes[0]), ToTriple(s.GetPlane().axes[1]) }; }
+static std::array<Triple,2> AxesOf (const Plane & plane) { return { ToTriple(plane.axes[0]), ToTriple(plane.axes[1]) }; }
 
 static std::vector<PieceDescriptions> PiecesOf (const Sheet & s)
 {
@@ -17,8 +19,25 @@ static std::vector<PieceDescriptions> PiecesOf (const Sheet & s)
   return all;
 }
 
-static Sheet MakeSheet (const std::vector<Crack> & loops, Triple origin, std::array<Triple,2> axes)
-{ return Sheet(ToPoint(origin), { ToPoint(axes[0]), ToPoint(axes[1]) }, loops); }
+static Sheet MakeSheet (const std::vector<Crack> & loops, Triple origin, std::array<Triple,2> axes, std::optional<Crack> curve, std::optional<HeightField> heights)
+{
+  std::array<Point3,2> vectors { ToPoint(axes[0]), ToPoint(axes[1]) };
+  if (curve && heights) throw ngcore::Exception("Sheet: give either a curve that is extruded, or heights over the plane");
+  if (heights) return Sheet(std::make_shared<GraphSurface>(ToPoint(origin), vectors, *heights), loops);
+  if (curve) return Sheet(std::make_shared<ExtrudedCurve>(*curve, ToPoint(origin), vectors), loops);
+  return Sheet(ToPoint(origin), vectors, loops);
+}
+
+static std::shared_ptr<const ExtrudedCurve> ExtrusionOf (const Sheet & s) { return std::dynamic_pointer_cast<const ExtrudedCurve>(s.GetSurface()); }
+
+static std::shared_ptr<const GraphSurface> GraphOf (const Sheet & s) { return std::dynamic_pointer_cast<const GraphSurface>(s.GetSurface()); }
+
+static const Plane & PlaneBelow (const Sheet & s) { return s.IsPlanar() ? s.GetPlane() : s.GetSurface()->GetPlane(); }
+
+static void CheckPlanar (const Sheet & s, const char * what)
+{
+  if (!s.IsPlanar()) throw ngcore::Exception(string("Sheet: a curved sheet has no ") + what + " of its own; ask FrameAt, Flat and PointAt");
+}
 
 void ExportFrontDemand (py::module & m)
 {
@@ -41,33 +60,94 @@ void ExportFrontDemand (py::module & m)
                     [] (py::tuple t) { return FrontDemand { t[0].cast<double>(), t[1].cast<int>(), t[2].cast<int>(), t[3].cast<int>(), t[4].cast<int>(), t[5].cast<double>() }; }));
 }
 
+static void ExportHeightField (py::module & m)
+{
+  py::class_<HeightField>(m, "HeightField",
+      "Heights f(p1, p2) over a plane, a sum of cubic B-splines on a regular grid: two times continuously differentiable, linear beyond the grid. Sheet.FromTriangles fits one.\n\n"
+      "Parameters\n----------\nlower\n    (p1, p2) of the first knot of the grid.\nspacing\n    The distances of its knots in both directions.\ncoefficients\n"
+      "    (n1, n2), of each B-spline: three more than intervals in each direction.\n\nRaises\n------\nException\n    For fewer than 4 coefficients in a direction, and numbers that are not finite.")
+    .def(py::init([] (std::array<double,2> lower, std::array<double,2> spacing, py::array_t<double, py::array::c_style | py::array::forcecast> coefficients)
+         {
+           if (coefficients.ndim() != 2) throw ngcore::Exception("HeightField: the coefficients must be a matrix");
+           HeightField field { Point(lower[0], lower[1]), Point(spacing[0], spacing[1]), { size_t(coefficients.shape(0)), size_t(coefficients.shape(1)) },
+                               { coefficients.data(), coefficients.data()+coefficients.size() } };
+           field.Check();
+           return field;
+         }), py::arg("lower"), py::arg("spacing"), py::arg("coefficients"))
+    .def("At", [] (const HeightField & f, double p1, double p2) { auto at = f.At(Point(p1, p2)); return std::tuple(at[0], at[1], at[2]); }, py::arg("p1"), py::arg("p2"),
+         "The height, and its derivatives by p1 and p2.")
+    .def("__repr__", [] (const HeightField & f) { return py::str("HeightField({} x {} coefficients)").format(f.size[0], f.size[1]); })
+    .def(py::pickle([] (const HeightField & f) { return py::make_tuple(ToPair(f.lower), ToPair(f.spacing), f.size, f.coefficients); },
+                    [] (py::tuple t)
+                    {
+                      auto lower = t[0].cast<std::array<double,2>>(), spacing = t[1].cast<std::array<double,2>>();
+                      return HeightField { Point(lower[0], lower[1]), Point(spacing[0], spacing[1]), t[2].cast<std::array<size_t,2>>(), t[3].cast<std::vector<double>>() };
+                    }));
+}
+
 static void ExportSheet (py::module & m)
 {
   py::class_<Sheet>(m, "Sheet",
-      "A planar crack in space: the part of a plane that closed curves bound. Its unit normal n = a1 × a2 points from the minus to the plus side.\n"
-      "Sheet.Disk, Sheet.Ellipse, Sheet.Polygon and Sheet.Ring make common ones. What lies outside of the body is cut off: a sheet that reaches the boundary of the\n"
+      "A crack in space: the part of a plane that closed curves bound. Its unit normal n = a1 × a2 points from the minus to the plus side. With a curve it is the part of the\n"
+      "curved surface that the curve of the plane sweeps along n = a1 × a2, and the normal is that of the curve.\n"
+      "Sheet.Disk, Sheet.Ellipse, Sheet.Polygon, Sheet.Ring and Sheet.Extrude make common ones. What lies outside of the body is cut off: a sheet that reaches the boundary of the\n"
       "body has a mouth there, inside the body it has a front.\n\nParameters\n----------\nloops\n"
       "    Closed Cracks in the coordinates (p1, p2) of the plane, x = origin + p1 a1 + p2 a2: the outer curve first, then those of holes, in any direction of travel.\n"
       "origin\n    A point (x, y, z) of the plane.\naxes\n"
-      "    Two directions (x, y, z), made perpendicular and of unit length.\n\nRaises\n------\nException\n"
-      "    For curves that are not closed or meet each other, for holes that lie outside, and for axes that are parallel.\n\n"
+      "    Two directions (x, y, z), made perpendicular and of unit length.\ncurve\n"
+      "    A smooth open Crack in the plane of the axes. Then the loops are curves in the coordinates p1, the distance along a1 × a2, and p2, the arc length on the curve,\n"
+      "    which goes on straight beyond its ends.\nheights\n"
+      "    A HeightField over the plane: the sheet lies at these heights over what the loops bound, and its normal is on the side of a1 × a2.\n\nRaises\n------\nException\n"
+      "    For loops that are not closed or meet each other, for holes that lie outside, for axes that are parallel, and for a curve that is closed or has a kink.\n\n"
       "Examples\n--------\n>>> square = Crack([(0, 0), (2, 0), (2, 2), (0, 2), (0, 0)])\n>>> sheet = Sheet([square], origin=(0, 0, 1))\n"
       ">>> sheet.normal, sheet.area\n((0.0, 0.0, 1.0), 4.0)")
-    .def(py::init(&MakeSheet), py::arg("loops"), py::arg("origin") = Triple { 0, 0, 0 }, py::arg("axes") = std::array<Triple,2> { Triple { 1, 0, 0 }, Triple { 0, 1, 0 } })
-    .def_property_readonly("loops", [] (const Sheet & s) { return s.Loops(); }, "The curves in the plane, with the sheet to their right: the outer one, then those of holes.")
-    .def_property_readonly("origin", [] (const Sheet & s) { auto p = s.GetPlane().origin; return std::tuple(p(0), p(1), p(2)); }, "The point (x, y, z) of the plane with p1 = p2 = 0.")
-    .def_property_readonly("axes", &AxesOf, "The unit vectors a1 and a2 of the plane's coordinates.")
-    .def_property_readonly("normal", [] (const Sheet & s) { auto p = s.GetPlane().normal; return std::tuple(p(0), p(1), p(2)); }, "The unit normal n, from the minus to the plus side.")
+    .def(py::init(&MakeSheet), py::arg("loops"), py::arg("origin") = Triple { 0, 0, 0 }, py::arg("axes") = std::array<Triple,2> { Triple { 1, 0, 0 }, Triple { 0, 1, 0 } }, py::arg("curve") = py::none(), py::arg("heights") = py::none())
+    .def_property_readonly("loops", [] (const Sheet & s) { return s.Loops(); }, "The curves in the plane, of a curved sheet in its coordinates (p1, p2), with the sheet to their right: the outer one, then those of holes.")
+    .def_property_readonly("curve", [] (const Sheet & s) { return ExtrusionOf(s) ? std::optional(ExtrusionOf(s)->Curve()) : std::nullopt; }, "The Crack that is extruded, or None.")
+    .def_property_readonly("heights", [] (const Sheet & s) { return GraphOf(s) ? std::optional(GraphOf(s)->Field()) : std::nullopt; }, "The HeightField over the plane, or None.")
+    .def_property_readonly("planar", &Sheet::IsPlanar, "Whether it lies in a plane.")
+    .def_property_readonly("origin", [] (const Sheet & s) { auto p = PlaneBelow(s).origin; return std::tuple(p(0), p(1), p(2)); }, "The point (x, y, z) of the plane with p1 = p2 = 0; of a curved sheet the origin of the plane of its curve.")
+    .def_property_readonly("axes", [] (const Sheet & s) { return AxesOf(PlaneBelow(s)); }, "The unit vectors a1 and a2 of the plane's coordinates; of a curved sheet those of the plane of its curve.")
+    .def_property_readonly("normal", [] (const Sheet & s) { CheckPlanar(s, "normal"); auto p = s.GetPlane().normal; return std::tuple(p(0), p(1), p(2)); },
+                           "The unit normal n, from the minus to the plus side.\n\nRaises\n------\nException\n    Of a curved sheet, where it is not one vector.")
     .def_property_readonly("name", [] (const Sheet &) { return string(); }, "Empty: sheets have numbers only.")
-    .def_property_readonly("area", &Sheet::Area, "Its area, also of what lies outside of a body.")
-    .def("Contains", [] (const Sheet & s, Triple p) { return s.Contains(s.GetPlane().Project(ToPoint(p))); }, py::arg("point"), "Whether the foot of a point (x, y, z) on the plane lies in the sheet.")
-    .def("__repr__", [] (const Sheet & s) { return py::str("Sheet({}, origin={}, axes={})").format(s.Loops(), ToTriple(s.GetPlane().origin), AxesOf(s)); })
-    .def(py::pickle([] (const Sheet & s) { return py::make_tuple(PiecesOf(s), ToTriple(s.GetPlane().origin), AxesOf(s)); },
+    .def_property_readonly("area", &Sheet::Area, "Its area, also of what lies outside of a body; of one with heights that of its projection.")
+    .def("Contains", [] (const Sheet & s, Triple p) { return s.Contains(s.GetPlane().Project(s.Flat(ToPoint(p)))); }, py::arg("point"), "Whether the foot of a point (x, y, z) on the plane, or the nearest point of the curved surface, lies in the sheet.")
+    .def("Flat", [] (const Sheet & s, Triple p)
+         {
+           Point3 flat = s.Flat(ToPoint(p));
+           Point at = s.GetPlane().Project(flat);
+           return std::tuple(at(0), at(1), s.GetPlane().Height(flat));
+         }, py::arg("point"), "(p1, p2, height) of a point (x, y, z): the coordinates of its foot, and its distance, positive on the plus side.")
+    .def("PointAt", [] (const Sheet & s, double p1, double p2) { return ToTriple(s.PointAt(Point(p1, p2))); }, py::arg("p1"), py::arg("p2"), "The point (x, y, z) with coordinates p1, p2.")
+    .def("FrameAt", [] (const Sheet & s, double p1, double p2)
+         {
+           auto frame = s.FrameAt(Point(p1, p2));
+           return std::array { ToTriple(frame[0]), ToTriple(frame[1]), ToTriple(frame[2]) };
+         }, py::arg("p1"), py::arg("p2"), "The unit normal and the unit tangents along p1 and p2 at the point with coordinates p1, p2.")
+    .def("__repr__", [] (const Sheet & s) -> py::str
+         {
+           auto & plane = PlaneBelow(s);
+           if (s.IsPlanar()) return py::str("Sheet({}, origin={}, axes={})").format(s.Loops(), ToTriple(plane.origin), AxesOf(plane));
+           if (GraphOf(s)) return py::str("Sheet({}, origin={}, axes={}, heights={})").format(s.Loops(), ToTriple(plane.origin), AxesOf(plane), GraphOf(s)->Field());
+           return py::str("Sheet({}, origin={}, axes={}, curve={})").format(s.Loops(), ToTriple(plane.origin), AxesOf(plane), ExtrusionOf(s)->Curve());
+         })
+    .def(py::pickle([] (const Sheet & s)
+                    {
+                      auto & plane = PlaneBelow(s);
+                      auto state = py::make_tuple(PiecesOf(s), ToTriple(plane.origin), AxesOf(plane));
+                      if (GraphOf(s)) return py::tuple(state + py::make_tuple(py::none(), GraphOf(s)->Field()));
+                      return s.IsPlanar() ? state : py::tuple(state + py::make_tuple(PiecesOf(ExtrusionOf(s)->Curve())));
+                    },
                     [] (py::tuple state)
                     {
                       std::vector<Crack> loops;
                       for (auto & pieces : state[0].cast<std::vector<PieceDescriptions>>()) loops.push_back(CrackOfPieces(pieces, ""));
-                      return MakeSheet(loops, state[1].cast<Triple>(), state[2].cast<std::array<Triple,2>>());
+                      std::optional<Crack> curve;
+                      std::optional<HeightField> heights;
+                      if (state.size() == 4) curve = CrackOfPieces(state[3].cast<PieceDescriptions>(), "");
+                      if (state.size() == 5) heights = state[4].cast<HeightField>();
+                      return MakeSheet(loops, state[1].cast<Triple>(), state[2].cast<std::array<Triple,2>>(), curve, heights);
                     }));
 }
 
@@ -101,10 +181,21 @@ static void ExportCutTet (py::module & m)
 {
   py::class_<SheetCell>(m, "SheetCell", "What a sheet's plane cuts out of an element, or a face of the mesh on the plane.")
     .def_readonly("element", &SheetCell::element, "The number of the element in the mesh.")
-    .def_property_readonly("h", [] (const SheetCell & c) { return LongestEdge(c.tet); }, "The longest edge of the element.")
+    .def_property_readonly("h", [] (const SheetCell & c) { return LongestEdge(c.in_space); }, "The longest edge of the element.")
     .def_readonly("neighbour", &SheetCell::neighbour, "The element on the other side of a face on the plane, which this one carries for both, or None.")
     .def_readonly("kind", &SheetCell::kind, "Its ElementKind: Cut, Tip (a front is inside) or Aligned.")
     .def_property_readonly("polygon", [] (const SheetCell & c) { return ToPairs(c.polygon); }, "The corners in the plane's coordinates, counter-clockwise.")
+    .def_property_readonly("points", [] (const SheetCell & c)
+         {
+           std::vector<Triple> points;
+           for (auto [i, j] : c.nodes)
+             {
+               auto number = [&] (size_t v) { return std::ranges::find(c.corners, v) - c.corners.begin(); };
+               size_t a = number(i), b = number(j);
+               points.push_back(ToTriple(a == b ? c.in_space[a] : Lerp(c.in_space[a], c.in_space[b], c.heights[a]/(c.heights[a]-c.heights[b]))));
+             }
+           return points;
+         }, "The corners (x, y, z).")
     .def_property_readonly("nodes", [] (const SheetCell & c) { return c.nodes; },
                            "Of each corner of the polygon the two vertices of the mesh, in the order of their numbers, between which the plane cuts the edge; twice the same one on the plane.")
     .def_property_readonly("chords", [] (const SheetCell & c)
@@ -169,6 +260,8 @@ static void ExportSolid (py::module & m)
     .def("CrackElements", &Solid::CrackElements, py::arg("crack"), "BitArray of the elements that carry a part of a crack (None: of any).")
     .def_property_readonly("normal", [] (Body b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame<Solid>>(b, false); },
                            "The unit normal n on the cracks, from the minus to the plus side: a CoefficientFunction, for forms over dcrack.")
+    .def_property_readonly("tangent", [] (Body b) -> shared_ptr<CoefficientFunction> { return make_shared<CrackFrame<Solid>>(b, true); },
+                           "The first unit tangent on the cracks: a1 of a planar sheet, of a curved one the direction along p1 in each element.")
     .def_property_readonly("larger_side", [] (Body b) -> shared_ptr<CoefficientFunction>
          { return make_shared<CrackLabel<Solid>>(b, Label::LargerSide); },
          "On the cracks +1 or -1, the side of the larger part of the element: a CoefficientFunction.")
@@ -189,6 +282,7 @@ static void ExportSolid (py::module & m)
 
 void ExportSheets (py::module & m)
 {
+  ExportHeightField(m);
   ExportSheet(m);
   ExportFront(m);
   ExportCutTet(m);

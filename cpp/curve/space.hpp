@@ -20,4 +20,6 @@ namespace ngsxfem_contact
 
   constexpr int tet_edges[6][2] { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
   double LongestEdge (const Tet & t);
+  /// Whether a tetrahedron is one of the same orientation as another one in other coordinates, with edges of half to twice the length.
+  bool IsFaithful (const Tet & t, const Tet & other);
 }

@@ -241,7 +241,7 @@ namespace ngsxfem_contact
       }
   }
 
-  Frame<2> CrackedMesh :: FrameAt (size_t crack, Point x) const
+  Frame<2> CrackedMesh :: FrameAt (size_t crack, const ElementCracks<2> *, Point x) const
   {
     Point t = cracks[crack].Tangent(cracks[crack].Nearest(x));
     return { Left(t), { t } };

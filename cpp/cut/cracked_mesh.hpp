@@ -66,7 +66,7 @@ namespace ngsxfem_contact
     shared_ptr<MeshAccess> GetMesh () const override { return mesh; }
     void CheckMesh () const override { located_in.Check(*mesh); }
     size_t NumCracks () const override { return cracks.size(); }
-    Frame<2> FrameAt (size_t crack, Point x) const override;
+    Frame<2> FrameAt (size_t crack, const ElementCracks<2> * element, Point x) const override;
     size_t CrackAt (const ElementCracks<2> * element, Point x) const override;
     const CutElement * Find (size_t element) const override { return FindIn(cut_elements, element); }
     std::vector<size_t> CrackedElements () const override { return ElementsOf(cut_elements); }

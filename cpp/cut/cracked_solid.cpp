@@ -76,12 +76,14 @@ namespace ngsxfem_contact
     auto vertices = mesh.GetElement(ElementId(VOL, cell.element)).Vertices();
     for (int i = 0; i < 4; i++)
       heights[i] = cell.heights[std::ranges::find(cell.corners, size_t(vertices[i])) - cell.corners.begin()];
-    h = LongestEdge(cell.tet);
+    h = LongestEdge(cell.in_space);
     cracks.push_back({ number, nullptr, cell.kind });
     auto parts = Split(cell.tet, cell.heights);
     std::array<double,2> volumes { 0, 0 };
     for (int side : { 0, 1 })
       for (auto & t : parts[side]) volumes[side] += Volume(t);
+    double volume = sheet.IsPlanar() ? 1 : Volume(cell.in_space)/Volume(cell.tet);
+    for (double & v : volumes) v *= volume;
     int larger = volumes[0] >= (1-1e-8)*volumes[1] ? 1 : -1;
     if (IsDivided())
       {
@@ -102,6 +104,14 @@ namespace ngsxfem_contact
     else
       for (auto & t : Fan(cell.polygon)) facet.push_back({ t, 0, std::nullopt });
     for (auto & t : facet) area += Area(t);
+    if (sheet.IsPlanar()) return;
+    FlatMap map(cell.in_space, cell.tet);
+    Point3 normal = map.Gradient(2), along = Cross(map.Gradient(1), normal);
+    stretch = Norm(normal);
+    normal = 1/stretch * normal;
+    along = 1/Norm(along) * along;
+    frame = Frame<3> { normal, { along, Cross(normal, along) } };
+    area *= volume*stretch;
   }
 
   double CutTet :: HeightAt (const ngfem::IntegrationPoint & ip) const
@@ -158,13 +168,34 @@ namespace ngsxfem_contact
         for (auto element : { std::optional(cell.element), cell.neighbour })
           if (element && met.insert({ *element, i }).first->second != i)
             throw Exception("CrackedMesh: sheets " + std::to_string(met.at(*element)) + " and " + std::to_string(i) + " meet the same element, near "
-                            + ToString(sheets[i].GetPlane().Value(Centre(cell.polygon))) + "; sheets keep an element apart: move them, or refine the mesh between them");
+                            + ToString(sheets[i].PointAt(Centre(cell.polygon))) + "; sheets keep an element apart: move them, or refine the mesh between them");
   }
 
-  Frame<3> CrackedSolid :: FrameAt (size_t sheet, Point3) const
+  Frame<3> CrackedSolid :: FrameAt (size_t sheet, const ElementCracks<3> * element, Point3 x) const
   {
     auto & plane = sheets[sheet].GetPlane();
-    return { plane.normal, plane.axes };
+    if (sheets[sheet].IsPlanar()) return { plane.normal, plane.axes };
+    if (auto cut = static_cast<const CutTet *>(element); cut && cut->Sides().crack == sheet) return *cut->OwnFrame();
+    auto [normal, first, second] = sheets[sheet].FrameAt(plane.Project(sheets[sheet].Flat(x)));
+    return { normal, { first, second } };
+  }
+
+  Tet CrackedSolid :: FlatTet (size_t sheet, size_t element) const
+  {
+    Tet t = MeshParts<3>::TetOf(*mesh, element), flat = t;
+    if (sheets[sheet].IsPlanar()) return t;
+    for (auto & x : flat) x = sheets[sheet].Flat(x);
+    if (!IsFaithful(flat, t))
+      throw Exception("CrackedMesh: sheet " + std::to_string(sheet) + " bends too sharply for what surrounds its front, near " + ToString(Centre(t))
+                      + "; refine the mesh there, or take a smaller radius of FrontEnrichment");
+    return flat;
+  }
+
+  std::array<Point3,3> CrackedSolid :: FlatTriangle (size_t sheet, size_t bnd_element) const
+  {
+    auto t = MeshParts<3>::TriangleOf(*mesh, bnd_element);
+    for (auto & x : t) x = sheets[sheet].Flat(x);
+    return t;
   }
 
   size_t CrackedSolid :: CrackAt (const ElementCracks<3> * element, Point3 x) const
@@ -172,8 +203,9 @@ namespace ngsxfem_contact
     if (element) return element->cracks[0].crack;
     return std::ranges::min_element(sheets, {}, [x] (auto & sheet)
     {
-      Point p = sheet.GetPlane().Project(x);
-      return std::hypot(sheet.GetPlane().Height(x), sheet.Contains(p) ? 0 : sheet.Loops()[sheet.NearestLoop(p)].Nearest(p).distance);
+      Point3 flat = sheet.Flat(x);
+      Point p = sheet.GetPlane().Project(flat);
+      return std::hypot(sheet.GetPlane().Height(flat), sheet.Contains(p) ? 0 : sheet.Loops()[sheet.NearestLoop(p)].Nearest(p).distance);
     }) - sheets.begin();
   }
 

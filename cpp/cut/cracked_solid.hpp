@@ -1,6 +1,7 @@
 #pragma once
-// A mesh of tetrahedra with planar sheets: where they lie, which elements they meet, and their fronts.
+// A mesh of tetrahedra with sheets: where they lie, which elements they meet, and their fronts.
 
+#include "cut/flat_map.hpp"
 #include "cut/mesh_state.hpp"
 #include "cut/tet_location.hpp"
 #include <deque>
@@ -8,12 +9,14 @@
 namespace ngsxfem_contact
 {
   /// An element that a sheet meets: two parts, plus (0) and minus (1), where it is cut; one where a front is inside, or where the sheet runs along a face.
+  /// A curved sheet is plane in it, by its flat coordinates in the corners.
   class CutTet final : public ElementCracks<3>
   {
     const SheetCell & cell;
     std::array<double,4> heights;                 // in NGSolve's order of the corners
     std::vector<PartTriangle> facet;              // of S, in its plane
-    double area = 0;
+    double area = 0, stretch = 1;                 // stretch: of heights, in flat coordinates over those in space
+    std::optional<Frame<3>> frame;                // nullopt: that of the sheet
     CrackSides sides;
 
   public:
@@ -31,6 +34,9 @@ namespace ngsxfem_contact
     /// The triangles that S in this element is made of.
     const std::vector<PartTriangle> & Facet () const { return facet; }
     double FacetArea () const { return area; }
+    /// |∇(flat height)|: area × this in space is the volume of a prism in flat coordinates over its one in space.
+    double Stretch () const { return stretch; }
+    const std::optional<Frame<3>> & OwnFrame () const { return frame; }
     /// Whether a side, ±1, is the larger one, of a Tip that of the plane.
     bool IsLarger (int side) const { return cell.kind == ElementKind::Aligned || side == sides.larger_side; }
 
@@ -67,7 +73,7 @@ namespace ngsxfem_contact
     shared_ptr<MeshAccess> GetMesh () const override { return mesh; }
     void CheckMesh () const override { located_in.Check(*mesh); }
     size_t NumCracks () const override { return sheets.size(); }
-    Frame<3> FrameAt (size_t sheet, Point3 x) const override;
+    Frame<3> FrameAt (size_t sheet, const ElementCracks<3> * element, Point3 x) const override;
     size_t CrackAt (const ElementCracks<3> * element, Point3 x) const override;
     const CutTet * Find (size_t element) const override { return FindIn(cut_tets, element); }
     std::vector<size_t> CrackedElements () const override { return ElementsOf(cut_tets); }
@@ -75,6 +81,10 @@ namespace ngsxfem_contact
     std::vector<std::array<size_t,2>> Links (size_t face) const override;
 
     const std::vector<Sheet> & Sheets () const { return sheets; }
+    /// The corners of an element, or of a boundary element, in the flat coordinates of a sheet, in NGSolve's order.
+    /// Throws where these make another element: where a curved sheet is far away, or bends too sharply.
+    Tet FlatTet (size_t sheet, size_t element) const;
+    std::array<Point3,3> FlatTriangle (size_t sheet, size_t bnd_element) const;
     const std::vector<Front> & Fronts () const { return fronts; }
     /// Throws for a number that is not below NumCracks().
     const SheetLocation & Location (size_t sheet) const { return locations[Checked(sheet)]; }

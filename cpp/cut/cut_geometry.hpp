@@ -140,8 +140,8 @@ namespace ngsxfem_contact
   {
   public:
     static constexpr int dimension = D;
-    /// At the point of a crack that is nearest to x.
-    virtual Frame<D> FrameAt (size_t crack, Vec<D> x) const = 0;
+    /// At the point of a crack that is nearest to x, in an element that it meets, or anywhere (nullptr).
+    virtual Frame<D> FrameAt (size_t crack, const ElementCracks<D> * element, Vec<D> x) const = 0;
     /// The crack that x, a point of Γ_C, lies on: the nearest of those that meet the element, of all if there are none (nullptr).
     virtual size_t CrackAt (const ElementCracks<D> * element, Vec<D> x) const = 0;
 

@@ -34,19 +34,16 @@ namespace ngsxfem_contact
 
     string NameOf (size_t loop) { return loop == 0 ? "the outer curve" : "the curve of hole " + std::to_string(loop-1); }
 
-    Plane PlaneOf (Point3 origin, std::array<Point3,2> axes)
-    {
-      for (Point3 p : { origin, axes[0], axes[1] })
-        if (!std::isfinite(Dot(p, p))) throw Exception("Sheet: the vector " + ToString(p) + " is not finite");
-      double first = Norm(axes[0]), second = Norm(axes[1]);
-      Point3 normal = Cross(axes[0], axes[1]);
-      if (!(Norm(normal) > 1e-8*first*second)) throw Exception("Sheet: the axes " + ToString(axes[0]) + " and " + ToString(axes[1]) + " are parallel, or zero; they span no plane");
-      Point3 a = 1/first * axes[0], n = 1/Norm(normal) * normal;
-      return { origin, { a, Cross(n, a) }, n };
-    }
+    const Plane flat { Point3(0., 0., 0.), { Point3(1., 0., 0.), Point3(0., 1., 0.) }, Point3(0., 0., 1.) };
   }
 
-  Sheet :: Sheet (Point3 origin, std::array<Point3,2> axes, std::vector<Crack> aloops) : plane(PlaneOf(origin, axes)), loops(std::move(aloops))
+  Sheet :: Sheet (Point3 origin, std::array<Point3,2> axes, std::vector<Crack> aloops) : plane(PlaneOf(origin, axes, "Sheet")), loops(std::move(aloops))
+  { CheckLoops(); }
+
+  Sheet :: Sheet (std::shared_ptr<const Surface> asurface, std::vector<Crack> aloops) : plane(flat), surface(std::move(asurface)), loops(std::move(aloops))
+  { CheckLoops(); }
+
+  void Sheet :: CheckLoops ()
   {
     if (loops.empty()) throw Exception("Sheet: give the closed curve that bounds it");
     for (size_t i = 0; i < loops.size(); i++)
@@ -75,6 +72,14 @@ namespace ngsxfem_contact
     return std::ranges::min_element(loops, {}, [p] (auto & loop) { return loop.Nearest(p).distance; }) - loops.begin();
   }
 
+  std::array<Point3,3> Sheet :: FrameAt (Point p) const
+  {
+    if (!surface) return { plane.normal, plane.axes[0], plane.axes[1] };
+    auto at = surface->At(p);
+    Point3 first = 1/Norm(at.tangents[0]) * at.tangents[0];
+    return { at.normal, first, Cross(at.normal, first) };
+  }
+
   double Sheet :: Area () const
   {
     double area = 0;
@@ -84,8 +89,6 @@ namespace ngsxfem_contact
 
   std::array<Point3,2> Sheet :: Bounds () const
   {
-    double large = std::numeric_limits<double>::infinity();
-    std::array<Point3,2> bounds { Point3(large, large, large), Point3(-large, -large, -large) };
     Box box;
     for (auto & arc : loops[0].Arcs(0.25))
       {
@@ -93,15 +96,7 @@ namespace ngsxfem_contact
         box.Add(lo);
         box.Add(hi);
       }
-    for (Point p : { box.lo, box.hi, Point(box.lo(0), box.hi(1)), Point(box.hi(0), box.lo(1)) })
-      {
-        Point3 x = plane.Value(p);
-        for (int k = 0; k < 3; k++)
-          {
-            bounds[0](k) = std::min(bounds[0](k), x(k));
-            bounds[1](k) = std::max(bounds[1](k), x(k));
-          }
-      }
-    return bounds;
+    if (surface) return surface->Bounds(box.lo, box.hi);
+    return BoxOfPlane(plane, box.lo, box.hi, 0, 0);
   }
 }

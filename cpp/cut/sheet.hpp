@@ -1,27 +1,14 @@
 #pragma once
-// S: a planar crack in space, the part of a plane that closed curves bound.
+// S: a crack in space, the part of a plane, or of a surface that is one in other coordinates, that closed curves bound.
 
-#include "curve/crack.hpp"
-#include "curve/space.hpp"
+#include "cut/surface.hpp"
 
 namespace ngsxfem_contact
 {
-  /// A plane with coordinates: x = origin + p₁ a₁ + p₂ a₂ + x₂ n, n = a₁ × a₂ from the minus to the plus side.
-  struct Plane
-  {
-    Point3 origin;
-    std::array<Point3,2> axes;               // of unit length, perpendicular
-    Point3 normal;
-
-    Point Project (Point3 x) const { Point3 d = x-origin; return Point(Dot(d, axes[0]), Dot(d, axes[1])); }
-    double Height (Point3 x) const { return Dot(Point3(x-origin), normal); }
-    Point3 Value (Point p, double height = 0) const { return Point3(origin + p(0)*axes[0] + p(1)*axes[1] + height*normal); }
-    Point3 Direction (Point d) const { return Point3(d(0)*axes[0] + d(1)*axes[1]); }
-  };
-
   class Sheet
   {
     Plane plane;
+    std::shared_ptr<const Surface> surface;  // nullptr: planar
     std::vector<Crack> loops;                // the outer one first, then those of the holes
     double size;                             // the largest distance of a point of the outer curve from its first one
 
@@ -30,8 +17,18 @@ namespace ngsxfem_contact
     /// first, in any direction of travel: they are turned so that S lies to the right.
     /// Throws for axes that are parallel, for curves that are not closed, that meet each other, and for holes that are not inside.
     Sheet (Point3 origin, std::array<Point3,2> axes, std::vector<Crack> aloops);
+    /// The part of a surface that curves in its coordinates bound. Throws for the same curves.
+    Sheet (std::shared_ptr<const Surface> asurface, std::vector<Crack> aloops);
 
+    bool IsPlanar () const { return !surface; }
+    const std::shared_ptr<const Surface> & GetSurface () const { return surface; }
+    /// The point in flat coordinates, where the sheet is a region of GetPlane(): of a planar sheet the point itself.
+    Point3 Flat (Point3 x) const { return surface ? surface->Flat(x) : x; }
+    /// Of a planar sheet its plane, of another one p₃ = 0.
     const Plane & GetPlane () const { return plane; }
+    Point3 PointAt (Point p) const { return surface ? surface->At(p).point : plane.Value(p); }
+    /// Unit vectors n, a₁, a₂ at a point of the sheet.
+    std::array<Point3,3> FrameAt (Point p) const;
     const std::vector<Crack> & Loops () const { return loops; }
     double Size () const { return size; }
     /// Whether a point of the plane lies in S.
@@ -40,5 +37,8 @@ namespace ngsxfem_contact
     double Area () const;
     /// The corners of a box of its points in space.
     std::array<Point3,2> Bounds () const;
+
+  private:
+    void CheckLoops ();
   };
 }

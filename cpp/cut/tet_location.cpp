@@ -14,7 +14,7 @@ namespace ngsxfem_contact
     auto beside = ElementsBeside();
     FindHeights(beside);
     for (auto element : beside) LocateElement(element);
-    if (cells.empty()) Refuse("lies outside of the body: no element is cut by it", sheet.GetPlane().Value(sheet.Loops()[0].Points()[0]));
+    if (cells.empty()) Refuse("lies outside of the body: no element is cut by it", sheet.PointAt(sheet.Loops()[0].Points()[0]));
     FollowSegments();
     MakeFronts();
   }
@@ -61,25 +61,32 @@ namespace ngsxfem_contact
         }
     for (auto [v, length] : shortest)
       {
-        double here = sheet.GetPlane().Height(mesh.GetPoint<3>(v));
+        double here = sheet.GetPlane().Height(flat[v] = sheet.Flat(mesh.GetPoint<3>(v)));
         height[v] = std::abs(here) <= geometric_tolerance*length ? 0 : here;
       }
   }
 
   void SheetLocation :: LocateElement (size_t element)
   {
-    SheetCell cell { element, std::nullopt, ElementKind::Cut, {}, {}, {}, {}, {}, {} };
+    SheetCell cell { element, std::nullopt, ElementKind::Cut, {}, {}, {}, {}, {}, {}, {} };
     auto vertices = mesh.GetElement(ElementId(VOL, element)).Vertices();
     for (int i = 0; i < 4; i++) cell.corners[i] = vertices[i];
     std::ranges::sort(cell.corners);
     std::vector<CutCorner> on_plane;
     for (int i = 0; i < 4; i++)
       {
-        cell.tet[i] = mesh.GetPoint<3>(cell.corners[i]);
+        cell.tet[i] = flat.at(cell.corners[i]);
+        cell.in_space[i] = mesh.GetPoint<3>(cell.corners[i]);
         cell.heights[i] = height.at(cell.corners[i]);
         if (cell.heights[i] == 0) on_plane.push_back({ i, i, cell.tet[i] });
       }
-    if (on_plane.size() == 4) Refuse("meets a flat element, whose four corners lie on its plane; mesh the body anew", Centre(cell.tet));
+    auto [lowest, highest] = std::ranges::minmax(cell.heights);
+    if ((lowest*highest < 0 || on_plane.size() > 1) && IsBent(cell))
+      {
+        if (!IsNear(cell)) return;
+        Refuse("bends too sharply for the elements there; refine the mesh until its radius of curvature is some elements", Centre(cell.in_space));
+      }
+    if (on_plane.size() == 4) Refuse("meets a flat element, whose four corners lie on its plane; mesh the body anew", Centre(cell.in_space));
     if (auto corners = CutPolygon(cell.tet, cell.heights); !corners.empty())
       AddCell(std::move(cell), corners);
     else if (on_plane.size() == 2)
@@ -94,7 +101,7 @@ namespace ngsxfem_contact
             if (!std::ranges::all_of(on_plane, [&] (auto & corner) { return of_face.contains(cell.corners[corner.i]); })) continue;
             Array<int> both;
             mesh.GetFacetElements(face, both);
-            double here = Volume(cell.tet), there = -1;
+            double here = Volume(cell.in_space), there = -1;
             for (size_t other : both)
               if (other != element)
                 {
@@ -107,6 +114,21 @@ namespace ngsxfem_contact
             return;
           }
       }
+  }
+
+  /// Whether the flat coordinates of the corners make another element than their points in space: the surface bends at the scale of the element, or the nearest points lie apart.
+  bool SheetLocation :: IsBent (const SheetCell & cell) const
+  { return !sheet.IsPlanar() && !IsFaithful(cell.tet, cell.in_space); }
+
+  /// Whether a corner is near to the sheet.
+  bool SheetLocation :: IsNear (const SheetCell & cell) const
+  {
+    double h = LongestEdge(cell.in_space);
+    return std::ranges::any_of(cell.tet, [&] (Point3 x)
+    {
+      Point p = sheet.GetPlane().Project(x);
+      return std::abs(sheet.GetPlane().Height(x)) <= h && (sheet.Contains(p) || sheet.Loops()[sheet.NearestLoop(p)].Nearest(p).distance <= h);
+    });
   }
 
   TraceNode SheetLocation :: NodeOf (const SheetCell & cell, const CutCorner & corner) const
@@ -128,7 +150,7 @@ namespace ngsxfem_contact
     bool enters = !cell.chords.empty();
     if (!enters && !sheet.Contains(centre)) return;
     if (aligned && !cell.neighbour)
-      Refuse("runs along the boundary of the body; move it inside", sheet.GetPlane().Value(centre));
+      Refuse("runs along the boundary of the body; move it inside", sheet.PointAt(centre));
     cell.kind = enters ? ElementKind::Tip : aligned ? ElementKind::Aligned : ElementKind::Cut;
     if (enters)
       {
@@ -148,7 +170,7 @@ namespace ngsxfem_contact
     TraceSegment segment { std::min(a, b), std::max(a, b) };
     segments.insert(segment);
     for (auto & node : segment)
-      if (node[0] == node[1]) places.insert({ node, sheet.GetPlane().Project(mesh.GetPoint<3>(node[0])) });
+      if (node[0] == node[1]) places.insert({ node, sheet.GetPlane().Project(flat.at(node[0])) });
     for (auto face : mesh.GetElement(ElementId(VOL, element)).Faces())
       {
         Array<int> both;
@@ -209,7 +231,7 @@ namespace ngsxfem_contact
               }
           }
         if (length >= (1-1e-9)*loop.Length())
-          Refuse(string(l == 0 ? "lies" : "has a hole that lies") + " inside of one element; it is smaller than an element: refine the mesh there", sheet.GetPlane().Value(centre));
+          Refuse(string(l == 0 ? "lies" : "has a hole that lies") + " inside of one element; it is smaller than an element: refine the mesh there", sheet.PointAt(centre));
       }
   }
 
@@ -307,7 +329,7 @@ namespace ngsxfem_contact
         bool around = ranges.front().first <= gap && ranges.back().second >= length-gap;
         if (around && ranges.size() == 1)
           {
-            fronts.push_back(Front(number, l, sheet.GetPlane(), loop));
+            fronts.push_back(Front(number, l, sheet, loop));
             continue;
           }
         for (size_t i = around ? 1 : 0; i < ranges.size(); i++)
@@ -315,7 +337,7 @@ namespace ngsxfem_contact
             std::vector<PiecePtr> pieces;
             AppendStretch(loop, ranges[i].first, ranges[i].second, gap, pieces);
             if (around && i+1 == ranges.size()) AppendStretch(loop, ranges[0].first, ranges[0].second, gap, pieces);
-            fronts.push_back(Front(number, l, sheet.GetPlane(), Crack::Unchecked(pieces)));
+            fronts.push_back(Front(number, l, sheet, Crack::Unchecked(pieces)));
             for (bool at_end : { false, true }) CheckEnd(fronts.back(), at_end);
           }
       }
@@ -325,7 +347,7 @@ namespace ngsxfem_contact
   {
     double s = at_end ? front.Length() : 0, steepest = -1;
     Point3 x = front.PointAt(s), tangent = front.FrameAt(s)[2];
-    Point p = sheet.GetPlane().Project(x);
+    Point p = front.Curve().PointAt(s);
     for (auto & [segment, normal] : boundary)
       if (Distance(p, places.at(segment[0]), places.at(segment[1])) <= 32*tolerance) steepest = std::max(steepest, std::abs(Dot(tangent, normal)));
     if (steepest < 0)

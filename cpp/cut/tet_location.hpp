@@ -32,7 +32,7 @@ namespace ngsxfem_contact
     std::optional<size_t> neighbour;             // across a face on the plane, which the element carries for both
     ElementKind kind;                            // Cut, Tip or Aligned
     std::array<size_t,4> corners;                // 0 to 3 in the order of the vertices' numbers
-    Tet tet;                                     // in this order
+    Tet tet, in_space;                           // in this order; tet: in flat coordinates (Sheet::Flat)
     std::array<double,4> heights;                // over the plane, 0 on it
     Polygon polygon;                             // in the plane, counter-clockwise
     std::vector<TraceNode> nodes;                // its corners
@@ -46,10 +46,11 @@ namespace ngsxfem_contact
     size_t number;
     double tolerance;                            // in the plane: geometric_tolerance × the shortest edge of the elements beside the sheet
     std::map<size_t, double> height;             // by vertex, 0 on the plane
+    std::map<size_t, Point3> flat;               // points by vertex
     std::map<TraceNode, Point> places;
     std::vector<SheetCell> cells;
     std::set<TraceSegment> segments;
-    std::map<TraceSegment, Point3> boundary;     // those on ∂Ω, with its normal
+    std::map<TraceSegment, Point3> boundary;     // those on ∂Ω, with its normal in space
     std::vector<Front> fronts;
     std::set<size_t> front_elements;
 
@@ -71,6 +72,8 @@ namespace ngsxfem_contact
     std::vector<size_t> ElementsBeside () const;
     void FindHeights (const std::vector<size_t> & beside);
     void LocateElement (size_t element);
+    bool IsBent (const SheetCell & cell) const;
+    bool IsNear (const SheetCell & cell) const;
     void AddCell (SheetCell cell, const std::vector<CutCorner> & corners);
     void AddSegment (size_t element, TraceNode a, TraceNode b);
     void MeetLoops (SheetCell & cell);

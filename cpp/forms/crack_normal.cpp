@@ -96,7 +96,8 @@ namespace ngsxfem_contact
   template <typename BODY>
   auto CrackFrame<BODY> :: At (size_t element, Vec<D> x) const -> Vec<D>
   {
-    auto frame = body->FrameAt(body->CrackAt(body->Find(element), x), x);
+    auto cut = body->Find(element);
+    auto frame = body->FrameAt(body->CrackAt(cut, x), cut, x);
     return tangent ? frame.tangents[0] : frame.normal;
   }
 
@@ -187,7 +188,7 @@ namespace ngsxfem_contact
     auto cut = body->Find(ip.GetTransformation().GetElementNr());
     if (!cut) return function->Evaluate(bip, result);
     auto sides = cut->SidesAt(x);
-    Vec<D> step = 1e-6*(side ? side : sides.larger_side)*cut->h*body->FrameAt(sides.crack, x).normal;
+    Vec<D> step = 1e-6*(side ? side : sides.larger_side)*cut->h*body->FrameAt(sides.crack, cut, x).normal;
     Vec<D> off = ip.GetJacobianInverse() * step;
     auto at = [&] (double factor, FlatVector<> values)
     {

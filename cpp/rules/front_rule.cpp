@@ -139,13 +139,13 @@ namespace ngsxfem_contact
   }
 
   const Front & FrontRule :: Nearest (Point3 x) const
-  { return **std::ranges::min_element(fronts, {}, [x] (auto front) { return front->Distance(x); }); }
+  { return **std::ranges::min_element(fronts, {}, [x] (auto front) { return front->FlatDistance(x); }); }
 
   double FrontRule :: SampledDistance (const std::vector<Point3> & points) const
   {
     double least = std::numeric_limits<double>::infinity();
     for (auto front : fronts)
-      for (auto & x : points) least = std::min(least, front->Distance(x));
+      for (auto & x : points) least = std::min(least, front->FlatDistance(x));
     return least;
   }
 

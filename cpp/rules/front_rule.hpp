@@ -7,6 +7,7 @@ namespace ngsxfem_contact
 {
   using Triangle3 = std::array<Point3,3>;
 
+  /// Points, elements and rules are in flat coordinates, those of one curved sheet, or in space, for fronts of planar sheets (Sheet::Flat).
   class FrontRule
   {
     std::vector<const Front*> fronts;

@@ -100,10 +100,21 @@ namespace ngsxfem_contact
         return FrontsNear(centre, size, mesh.GetElement(ElementId(VOL, element)).Vertices());
       }
 
+      /// The sheet in whose coordinates a rule around fronts is made. Throws where fronts have no common ones.
+      size_t CommonSheet (const std::vector<const Front*> & near, Point3 centre) const
+      {
+        for (auto front : near)
+          if (front->SheetNumber() != near[0]->SheetNumber() && !(front->IsPlanar() && near[0]->IsPlanar()))
+            throw ngcore::Exception("CrackedMesh: sheets " + std::to_string(near[0]->SheetNumber()) + " and " + std::to_string(front->SheetNumber())
+                                    + ", one of them curved, have fronts too near to each other for rules around both, near " + ToString(centre) + "; refine the mesh there");
+        return near[0]->SheetNumber();
+      }
+
       bool Wanted (const CutTet * cut, int side) const
       { return kind.domain == Domain::Bulk || (cut && cut->IsLarger(side) && (!kind.crack || *kind.crack == cut->Sides().crack)); }
 
-      void AppendSingular (const Tet & t, const CutTet * cut, const FrontRule & around, PointRule3 & points) const
+      /// t in the coordinates of the fronts.
+      void AppendSingular (size_t element, const Tet & t, const CutTet * cut, const FrontRule & around, PointRule3 & points) const
       {
         auto & nearest = around.Nearest(Centre(t));
         auto keep = [&] (const Plane & plane, PointRule3 && some)
@@ -115,24 +126,35 @@ namespace ngsxfem_contact
             return keep(nearest.GetPlane(), std::move(some));
           }
         auto parts = Split(cut->Cell().tet, cut->Cell().heights);
+        size_t sheet = cut->Sides().crack;
+        bool same = sheet == nearest.SheetNumber() || (body.Sheets()[sheet].IsPlanar() && nearest.IsPlanar());
+        std::optional<FlatMap> moved;
+        if (!same) moved.emplace(body.FlatTet(sheet, element), t);
         for (int side : { 1, -1 })
           if (Wanted(cut, side))
-            for (auto & part : parts[side > 0 ? 0 : 1]) around.AppendTet(part, points, false);
+            for (auto part : parts[side > 0 ? 0 : 1])
+              {
+                if (moved) for (auto & x : part) x = moved->Value(x);
+                around.AppendTet(part, points, false);
+              }
       }
 
       std::unique_ptr<ElementRule> VolumeRule (size_t element, const Tet & t, const std::vector<const Front*> & near) const
       {
         auto cut = body.Find(element);
         PointRule3 points;
-        if (!near.empty()) AppendSingular(t, cut, FrontRule(near, Raised()), points);
-        else
+        if (!near.empty())
           {
-            auto parts = Split(cut->Cell().tet, cut->Cell().heights);
-            for (int side : { 1, -1 })
-              if (Wanted(cut, side))
-                for (auto & part : parts[side > 0 ? 0 : 1]) AppendTet(part, order, points);
+            Tet flat = body.FlatTet(CommonSheet(near, Centre(t)), element);
+            AppendSingular(element, flat, cut, FrontRule(near, Raised()), points);
+            return InTet(flat, points);
           }
-        return InTet(t, points);
+        Tet flat = body.FlatTet(cut->Sides().crack, element);
+        auto parts = Split(cut->Cell().tet, cut->Cell().heights);
+        for (int side : { 1, -1 })
+          if (Wanted(cut, side))
+            for (auto & part : parts[side > 0 ? 0 : 1]) AppendTet(part, order, points);
+        return InTet(flat, points);
       }
 
       shared_ptr<RuleTable> VolumeTable () const
@@ -167,8 +189,8 @@ namespace ngsxfem_contact
             PointRule in_plane;
             if (!kind.crack || *kind.crack == cut.Sides().crack) AppendFacet(cut, FrontsNear(element, t), in_plane);
             PointRule3 points;
-            for (auto & [p, weight] : in_plane) points.push_back({ body.Sheets()[cut.Sides().crack].GetPlane().Value(p), weight });
-            table->Add(element, InTet(t, points));
+            for (auto & [p, weight] : in_plane) points.push_back({ body.Sheets()[cut.Sides().crack].GetPlane().Value(p), weight*cut.Stretch() });
+            table->Add(element, InTet(body.FlatTet(cut.Sides().crack, element), points));
           }
         return table;
       }
@@ -186,6 +208,7 @@ namespace ngsxfem_contact
             for (auto & x : t) size = std::max(size, Norm(Point3(x-centre)));
             auto near = FrontsNear(centre, size, v);
             if (!divided && near.empty()) continue;
+            if (!near.empty()) t = body.FlatTriangle(CommonSheet(near, centre), i);
             std::vector<Triangle> parts { { Point(1., 0.), Point(0., 1.), Point(0., 0.) } };
             if (divided)
               {

@@ -41,8 +41,8 @@ namespace ngsxfem_contact
   };
 
   /// A node with the modes of a front, in one element: its hat is hat(0) + hat(1..3)·x there. has_sides: whether limits on Γ_C in the element are those of
-  /// the front's own sheet; on another sheet the modes are smooth.
-  struct NodeWithModes { Vec<4> hat; const FrontFunctions * modes; bool has_sides; };
+  /// the front's own sheet; on another sheet the modes are smooth. flat: the coordinates of a curved sheet there, nullptr for a planar one.
+  struct NodeWithModes { Vec<4> hat; const FrontFunctions * modes; bool has_sides; const FlatMap * flat; };
 
   template <>
   class SingularFunctions<3>
@@ -62,7 +62,7 @@ namespace ngsxfem_contact
       size_t number = 0;
       for (auto & node : nodes)
         {
-          if (node.modes != last) node.modes->Evaluate(x, node.has_sides ? side : 0, modes);
+          if (node.modes != last) node.modes->Evaluate(x, node.has_sides ? side : 0, node.flat, modes);
           last = node.modes;
           auto hat = HatAt(node, x, modes[0](0));
           for (auto & mode : modes)

@@ -132,33 +132,28 @@ namespace ngsxfem_contact
       }
   }
 
-  namespace
-  {
-    /// The hats of the corners of a simplex as functions of x; of a triangle constant along its normal.
-    template <size_t N>
-    std::array<Vec<4>,N> Hats (const std::array<Point3,N> & corners)
-    {
-      std::array<Vec<4>,N> hats;
-      for (size_t i = 0; i < N; i++)
-        {
-          Point3 a = corners[(i+1) % N], u = corners[(i+2) % N]-a, normal = N == 4 ? Cross(u, Point3(corners[(i+3) % N]-a)) : Cross(u, Cross(u, Point3(corners[i]-a)));
-          Point3 gradient = 1/Dot(Point3(corners[i]-a), normal) * normal;
-          hats[i] = Vec<4>(-Dot(gradient, a), gradient(0), gradient(1), gradient(2));
-        }
-      return hats;
-    }
-  }
-
   void SolidFESpace :: AddModes (VorB vb)
   {
     modes_of[vb].SetSize(ma->GetNE(vb));
     modes_of[vb] = 0;
     modes_in[vb].assign(1, {});
+    flat_maps[vb].clear();
+    std::map<std::pair<size_t,size_t>, const FlatMap*> map_of;                  // by element and sheet
     std::vector<size_t> by_front(nodes.size());
     std::iota(by_front.begin(), by_front.end(), 0);
     std::ranges::stable_sort(by_front, {}, [&] (size_t j) { return nodes[j].front; });
+    auto flat_map = [&] (size_t element, size_t sheet) -> const FlatMap *
+    {
+      if (body->Sheets()[sheet].IsPlanar()) return nullptr;
+      auto & map = map_of[{ element, sheet }];
+      if (!map)
+        map = &(vb == VOL ? flat_maps[vb].emplace_back(MeshParts<3>::TetOf(*ma, element), body->FlatTet(sheet, element))
+                          : flat_maps[vb].emplace_back(MeshParts<3>::TriangleOf(*ma, element), body->FlatTriangle(sheet, element)));
+      return map;
+    };
     auto add = [&] (size_t element, size_t j, Vec<4> hat)
     {
+      size_t sheet = body->Fronts()[nodes[j].front].SheetNumber();
       auto & number = modes_of[vb][element];
       if (number == 0)
         {
@@ -167,7 +162,7 @@ namespace ngsxfem_contact
         }
       auto & here = modes_in[vb][number];
       auto cut = vb == VOL ? body->Find(element) : nullptr;
-      here.nodes.push_back({ hat, &modes[nodes[j].front], !cut || cut->Sides().crack == body->Fronts()[nodes[j].front].SheetNumber() });
+      here.nodes.push_back({ hat, &modes[nodes[j].front], !cut || cut->Sides().crack == sheet, flat_map(element, sheet) });
       for (int m = 0; m < FrontFunctions::size; m++) here.dofs.push_back(FrontDof(j, m));
     };
     auto corner = [&] (size_t element, size_t v)

@@ -22,6 +22,7 @@ namespace ngsxfem_contact
     // by element, VOL and BND; 0: none
     Array<int> modes_of[2];
     std::vector<ModesIn> modes_in[2];
+    std::deque<FlatMap> flat_maps[2];                 // of curved sheets
 
   public:
     /// Throws unless there is a material for each front.

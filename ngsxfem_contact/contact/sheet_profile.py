@@ -27,13 +27,13 @@ class SheetProfile(Table):
     element
         Its number in the mesh.
     x, y, z, p_1, p_2
-        The centroid of the polygon, also in the coordinates of `Sheet.axes`.
+        The centroid of the polygon, also in the coordinates of the sheet, see `Sheet.Flat`.
     area
         Of the polygon.
     gap
         The mean of g_n = jump(u)·n over it, without the initial gap g_0 of the problem.
     slip, slip_1, slip_2
-        The mean of the jump along the sheet: its size, and its components along `Sheet.axes`.
+        The mean of the jump along the sheet: its size, and its components along `Sheet.axes`, of a curved sheet along p_1 and p_2.
     sigma_n
         λ ≤ 0.
     sigma_t, sigma_t_1, sigma_t_2
@@ -49,7 +49,7 @@ def sheet_profile(solution: ContactSolution, crack: int) -> SheetProfile:
     nodes, body = cast("SheetNodes", solution.state.nodes), cast("Any", solution.body)
     on = np.flatnonzero(nodes.cracks == crack)
     sheet = body.cracks[crack]
-    plane = (nodes.positions[on] - np.array(sheet.origin)) @ np.array(sheet.axes).T
+    plane = np.array([sheet.Flat(tuple(position))[:2] for position in nodes.positions[on]])
     components = solution.state.L.reshape(-1, len(nodes))[:, on]
     slip = [nodes.Means(component.jump(solution.u, body))[on] for component in TANGENTIAL]
     if len(components) > 1:
@@ -79,4 +79,4 @@ def borders(solution: ContactSolution, crack: int, differ: Callable[[str, str], 
             if inside:
                 beside.setdefault((min(p, q), max(p, q)), []).append(state_of[element])
     sides = [side for side, found in beside.items() if len(found) == 2 and differ(*found)]
-    return trace.Places(trace.points[np.array(sides, dtype=int).reshape(-1, 2)])
+    return trace.places[np.array(sides, dtype=int).reshape(-1, 2)]

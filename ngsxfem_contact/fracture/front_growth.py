@@ -35,7 +35,7 @@ def grown_sheet(factors: FrontFactors, advances: np.ndarray) -> Sheet:
     Raises
     ------
     ValueError
-        For a front with corners, or that ends on ∂Ω.
+        For a front with corners, one that ends on ∂Ω, or of a curved sheet.
     Exception
         For a new curve that meets itself.
     """
@@ -48,6 +48,8 @@ def grown_sheet(factors: FrontFactors, advances: np.ndarray) -> Sheet:
     s = curve.length * np.arange(number) / number
     moved = np.fft.irfft(np.pad(harmonics, (0, number // 2 + 1 - len(harmonics))), number) * number
     sheet = body.cracks[curve.front.sheet]
+    if not sheet.planar:
+        raise ValueError(f"front {factors.front} is that of a curved sheet; so far only fronts in a plane grow")
     points = curve.Points(s) + moved[:, None] * curve.Frames(s)[:, 0]
     plane = (points - sheet.origin) @ np.array(sheet.axes).T
     plane = np.concatenate([plane, plane[:1]])

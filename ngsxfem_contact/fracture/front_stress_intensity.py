@@ -13,6 +13,7 @@ import numpy as np
 from .._ngsxfem_contact import CrackedSolid
 from ..arguments import check_item, check_positive, check_type, check_whole
 from ..tables import Table
+from .curved_front import CurvedFrontIntegrals
 from .front_fields import FrontField
 from .front_integral import FrontIntegrals
 from .front_tube import FrontCurve, Hats, Room, TubeRule
@@ -106,7 +107,7 @@ def front_factors(
     Raises
     ------
     ValueError
-        If the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
+        For a sheet with heights over a plane; if the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
         fields that are not finite.
     TypeError
         For other arguments.
@@ -122,6 +123,8 @@ def front_factors(
     if getattr(material, "form", "") == "plane stress":
         raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.Solid(E, nu) has them")
     curve = FrontCurve(body, front)
+    if not curve.sheet.planar and curve.sheet.curve is None:
+        raise ValueError(f"front_factors: front {front} is that of a sheet with heights over a plane; K is there for planar sheets and extruded cracks")
     h = curve.h
     if radius is not None:
         check_positive(radius, f"front_factors: radius at front {front}")
@@ -174,7 +177,7 @@ class _Found:
 
 
 def _on_stretch(curve: FrontCurve, material: Elasticity, u: FrontField, hats: Hats, radii: tuple[float, ...], rule: TubeRule, h: float) -> _Found:
-    integrals = FrontIntegrals(curve, material, u, hats, radii, rule)
+    integrals = (FrontIntegrals if curve.sheet.planar else CurvedFrontIntegrals)(curve, material, u, hats, radii, rule)
     scale = np.array([0.5 * material.E_prime, 0.5 * material.E_prime, material.mu, 0.5])
     moments = integrals() * scale
     if not np.isfinite(moments).all():

@@ -14,6 +14,7 @@ from ngsolve import VOL, ElementId
 
 from ..material import Isotropic
 from ..points import place
+from .extruded_tube import ExtrudedTube
 
 if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedSolid
@@ -131,6 +132,7 @@ class FrontCurve:
 
     def __init__(self, body: CrackedSolid, number: int) -> None:
         self.body, self.number, self.front = body, number, body.fronts[number]
+        self.sheet = body.cracks[self.front.sheet]
         self.length, self.closed = self.front.length, self.front.closed and not self.front.corners
 
     def Inside(self, s: np.ndarray) -> np.ndarray:
@@ -148,6 +150,43 @@ class FrontCurve:
     def Curvatures(self, s: np.ndarray) -> np.ndarray:
         """κ = 1/R_f, (n,)."""
         return np.array([self.front.CurvatureAt(t) for t in self.Inside(s)])
+
+    def Flat(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """C(s), (n, 2), and e₁, e₃, (n, 2, 2), in the coordinates of the sheet."""
+        at = np.array([self.sheet.Flat(tuple(x))[:2] for x in self.Points(s)]).reshape(-1, 2)
+        tangents = np.array([self.sheet.FrameAt(*p)[1:] for p in at])
+        return at, np.einsum("nki,nai->nka", self.Frames(s)[:, [0, 2]], tangents)
+
+    def Circles(self, s: np.ndarray, radius: float) -> np.ndarray:
+        """Points (n, 24, 3) at a distance from C(s), around it."""
+        if not self.sheet.planar:
+            return self.tube.At(np.repeat(s, len(CIRCLE)), *np.tile(radius * np.array([np.cos(CIRCLE), np.sin(CIRCLE)]), len(s))).points.reshape(len(s), -1, 3)
+        points, frames = self.Points(s), self.Frames(s)
+        return points[:, None] + radius * (np.cos(CIRCLE)[:, None] * frames[:, None, 0] + np.sin(CIRCLE)[:, None] * frames[:, None, 1])
+
+    @cached_property
+    def tube(self) -> ExtrudedTube:
+        """The coordinates around it, of a curved sheet."""
+        return ExtrudedTube(self)
+
+    def Beside(self, s: np.ndarray, x1: float) -> np.ndarray:
+        """The points (n, 3) of the sheet's surface at a distance x₁ ahead."""
+        if self.sheet.planar:
+            return self.Points(s) + x1 * self.Frames(s)[:, 0]
+        at, directions = self.Flat(s)
+        return np.array([self.sheet.PointAt(*p) for p in at + x1 * directions[:, 0]])
+
+    def Bends(self, s: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+        """Of the sheet nearer to C(s) than a radius: the largest curvature, and whether it jumps, (n,)."""
+        crack = self.sheet.curve
+        if crack is None:
+            return np.zeros(len(s)), np.zeros(len(s), dtype=bool)
+        bend = np.array([crack.CurvatureAt(p) for p in np.linspace(0, crack.length, 1001)])
+        places = np.linspace(0, crack.length, 1001)
+        jumps = places[1:][np.abs(np.diff(bend)) > 0.1 * np.abs(bend).max()]
+        at = self.Flat(s)[0][:, 1]
+        largest = [np.abs(bend[np.abs(places - p) <= max(radius, 0.002 * crack.length)]).max(initial=0) for p in at]
+        return np.array(largest), np.array([(np.abs(jumps - p) < radius).any() for p in at], dtype=bool)
 
     @cached_property
     def joints(self) -> np.ndarray:
@@ -217,27 +256,28 @@ class Room:
         self.sizes = np.array([np.linalg.norm(np.array(c) - np.mean(c, axis=0), axis=1).max() for c in cells])
 
     def _place(self, crack: int, p: tuple[float, float]) -> np.ndarray:
-        sheet = self.body.cracks[crack]
-        first, second = sheet.axes
-        return np.array(sheet.origin) + p[0] * np.array(first) + p[1] * np.array(second)
+        return np.array(self.body.cracks[crack].PointAt(*p))
 
     def Obstacles(self, s: np.ndarray, radius: float) -> list[str]:
         """What the disc of a radius at each s meets, "" for nothing."""
-        points, frames, kappa = self.curve.Points(s), self.curve.Frames(s), self.curve.Curvatures(s)
+        points, kappa = self.curve.Points(s), self.curve.Curvatures(s)
         s, found = self.curve.Inside(s), np.full(len(s), "", dtype=object)
         for share in (0.5, 1):
-            circle = points[:, None] + share * radius * (np.cos(CIRCLE)[:, None] * frames[:, None, 0] + np.sin(CIRCLE)[:, None] * frames[:, None, 1])
+            circle = self.curve.Circles(s, share * radius)
             at = self.mesh(*np.concatenate([circle, points[:, None]], axis=1).reshape(-1, 3).T)["nr"].reshape(len(s), -1)
             found[(at < 0).any(axis=1)] = "the boundary of the body"
             if self.regions is not None:
                 inside = (at >= 0).all(axis=1)
                 numbers = self.regions[np.maximum(at, 0)]
                 found[inside & (numbers != numbers[np.argmax(inside), -1]).any(axis=1)] = "another material"
-        found[radius * np.abs(kappa) > BENT] = "its own centre of curvature"
-        for i, (point, frame) in enumerate(zip(points, frames)):
+        bend, jumps = self.curve.Bends(s, radius)
+        found[radius * np.maximum(np.abs(kappa), bend) > BENT] = "its own centre of curvature"
+        found[jumps] = "a jump of the sheet's curvature"
+        beside = [self.curve.Beside(s, side * radius) for side in (1, -1)]
+        for i, point in enumerate(points):
             if found[i]:
                 continue
-            nearest = [self.curve.front.Tube(tuple(point + side * radius * frame[0]))[2] - s[i] for side in (1, -1)]
+            nearest = [self.curve.front.Tube(tuple(places[i]))[2] - s[i] for places in beside]
             if any(min(abs(d), self.curve.length - abs(d) if self.curve.front.closed else np.inf) > 1e-6 * self.curve.length for d in nearest):
                 found[i] = "another part of the same front"
             elif any(front.Distance(tuple(point)) <= radius for front in self.others):

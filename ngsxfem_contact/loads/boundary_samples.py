@@ -10,6 +10,7 @@ from ngsolve import BND
 
 from .._ngsxfem_contact import CrackedSolid, EndKind
 from ..points import boundary_points, crack_points
+from ..sheets import heights_over
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -153,7 +154,7 @@ class SurfaceSamples(BoundarySamples):
         self.points = np.array(body.mesh.ngmesh.Coordinates())
         a, b, c = np.moveaxis(self.points[self.corners], 1, 0)
         self.size = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        heights = [(self.points - sheet.origin) @ np.array(sheet.normal) for sheet in body.cracks]
+        heights = [heights_over(sheet, self.points) for sheet in body.cracks]
         self.thickness = AT * np.ptp(self.points, axis=0).max()
         on_plane = np.min(np.abs(heights), axis=0) <= self.thickness
         rows, reference = [], []  # beside the mouths

@@ -6,17 +6,18 @@ from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BND, BilinearForm, CoefficientFunction, GridFunction, IfPos, SurfaceL2, x, y, z
+from ngsolve import BND, H1, BilinearForm, CoefficientFunction, GridFunction, IfPos, SurfaceL2, x, y, z
 
 from .._ngsxfem_contact import CrackedSolid
 from ..algebra.matrices import to_scipy
+from ..sheets import heights_over
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackedMesh, CrackFESpace
+    from .._ngsxfem_contact import CrackedMesh, CrackFESpace, Sheet
 
 PROJECTION_BONUS = 4  # of the rules' order, one for both sides of the projection: on curved edges no order is exact
 SHORT = 1e-4  # of an edge: on a shorter part only the functions of the vertex in it are given
@@ -54,8 +55,8 @@ def weight_on_surface(body: CrackedSolid, power: int = 3) -> CoefficientFunction
         divided = np.array(body.CutBoundaryElements(number), dtype=int)
         if not len(divided):
             continue
-        height = sum((coordinate - o) * n for coordinate, o, n in zip((x, y, z), sheet.origin, sheet.normal))
-        of_corners = (points[corners[divided]] - sheet.origin) @ np.array(sheet.normal)
+        of_corners = heights_over(sheet, points[corners[divided].ravel()]).reshape(-1, 3)
+        height = height_on(body, sheet, corners[divided], of_corners)
         areas = np.array([body.BoundaryPartSizes(int(element)) for element in divided])
         side = np.where(areas[:, 0] < areas[:, 1], 1.0, -1.0)
         reach = np.array([of_corners.max(axis=1), -of_corners.min(axis=1)])
@@ -65,6 +66,15 @@ def weight_on_surface(body: CrackedSolid, power: int = 3) -> CoefficientFunction
         sides.vec.FV().NumPy()[divided] = side
         weight = weight * (1 + IfPos(sides * height, extra, 0))
     return weight
+
+
+def height_on(body: CrackedSolid, sheet: Sheet, corners: np.ndarray, of_corners: np.ndarray) -> CoefficientFunction:
+    """Over the sheet, for points of boundary triangles with these corners (n, 3) and heights there: over a curved sheet linear in each of them, as it is divided."""
+    if sheet.planar:
+        return sum((coordinate - o) * n for coordinate, o, n in zip((x, y, z), sheet.origin, sheet.normal))
+    height = GridFunction(H1(body.mesh, order=1))
+    height.vec.FV().NumPy()[corners] = of_corners
+    return height
 
 
 def boundary_mass(V: CrackFESpace, region: str, weight: CoefficientFunction) -> csr_matrix:

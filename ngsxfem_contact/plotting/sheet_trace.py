@@ -9,7 +9,7 @@ import numpy as np
 from .polygons import Triangle, divided, ear_triangles, holds, inner_point, twice_area
 
 if TYPE_CHECKING:
-    from .._ngsxfem_contact import CrackedSolid, SheetCell
+    from .._ngsxfem_contact import CrackedSolid, Sheet, SheetCell
 
 SAME = 1e-7  # relative to an element: what is nearer is one point
 SAG = 0.005  # between a curve and a chord of it, relative to the chord
@@ -30,8 +30,8 @@ class SheetTrace:
     ----------
     sheet, cells
         The Sheet, and its SheetCells.
-    points (N, 2)
-        In the coordinates of its plane.
+    points (N, 2), places (N, 3)
+        In the coordinates of the sheet, and in space: of a curved sheet on the polygons, which are plane.
     nodes
         {(i, j): number} of the points on edges of the mesh between vertices i < j, and (i, i) on the vertex i.
     sides
@@ -70,15 +70,23 @@ class SheetTrace:
         on_outline = set(self.outline.ravel().tolist())
         self.triangles = [self._Triangles(loop, on_outline if here else set()) for loop, here in zip(self.loops, inside)]
         self.points = np.array(self._places).reshape(-1, 2)
+        self.places = self._InSpace()
 
     @property
     def element(self) -> np.ndarray:
         """(n,): the element of the mesh that carries each polygon."""
         return np.array([cell.element for cell in self.cells], dtype=int)[self.loop_cell]
 
-    def Places(self, points: np.ndarray) -> np.ndarray:
-        """(n, 3) of points (n, 2) of the plane."""
-        return np.array(self.sheet.origin) + points @ np.array(self.sheet.axes)
+    def _InSpace(self) -> np.ndarray:
+        """(N, 3): of a curved sheet by the affine map of a polygon that a point belongs to, from its coordinates to space."""
+        if self.sheet.planar:
+            return np.array(self.sheet.origin) + self.points @ np.array(self.sheet.axes)
+        places = np.array([self.sheet.PointAt(*p) for p in self.points]).reshape(-1, 3)
+        for number, loop, triangles in zip(self.loop_cell, self.loops, self.triangles):
+            flat, space = np.array(self.cells[number].polygon), np.array(self.cells[number].points)
+            affine, own = np.linalg.lstsq(flat[1:] - flat[0], space[1:] - space[0], rcond=None)[0], [*loop, *np.ravel(triangles)]
+            places[own] = space[0] + (self.points[own] - flat[0]) @ affine
+        return places
 
     @property
     def outline(self) -> np.ndarray:
@@ -178,7 +186,12 @@ class SheetTrace:
         return loops
 
     def _IsInside(self, loop: list[int]) -> bool:
-        return self.sheet.Contains(tuple(self.Places(inner_point(self._points, loop))))
+        return self.sheet.Contains(self.sheet.PointAt(*inner_point(self._points, loop)))
+
+
+def middle_normal(sheet: Sheet) -> np.ndarray:
+    """The unit normal, of a curved sheet that at the middle of its outer curve."""
+    return np.array(sheet.normal if sheet.planar else sheet.FrameAt(*0.5 * (np.min(outline := sheet.loops[0].Outline(), axis=0) + np.max(outline, axis=0)))[0])
 
 
 def in_order(cell: SheetCell, loops: Any) -> list[tuple[int, float, float]]:

@@ -73,7 +73,7 @@ class SolidDivision:
         for (i, j), point in trace.nodes.items():
             if i == j:
                 numbers[point] = i
-        places, new = trace.Places(trace.points), np.flatnonzero(numbers < 0)
+        places, new = trace.places, np.flatnonzero(numbers < 0)
         numbers[new] = len(self.points) + np.arange(len(new))
         self.points += list(places[new])
         for edge, point in trace.nodes.items():

@@ -11,7 +11,7 @@ from .._ngsxfem_contact import CrackedSolid
 from ..arguments import crack_number
 from .clipping import below, section
 from .plots import LIPS, PROFILES, body_plot, colour_bar, mesh_plot, profile_plot, pyplot, scene, usual_scale, visible_scale
-from .sheet_trace import SheetTrace
+from .sheet_trace import SheetTrace, middle_normal
 from .solid_picture import SolidPicture
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def usual_cut(split: SplitSolid) -> Plane | None:
     """The plane through the middle of the first sheet and its normal, as steep as can be; None where a sheet has a mouth."""
     if len(mouth_edges(split)):
         return None
-    normal = np.array(split.body.cracks[0].normal)
+    normal = middle_normal(split.body.cracks[0])
     across = np.cross(normal, [0.0, 0.0, 1.0])
     across = np.array([0.0, -1.0, 0.0]) if np.linalg.norm(across) < 1e-6 else across / np.linalg.norm(across)
     if across @ np.array([0.3, -1.0, 0.0]) < 0:
@@ -232,7 +232,7 @@ COLUMNS = {"pressure": lambda rows: -rows.sigma_n, "gap": lambda rows: rows.gap,
 
 
 class SheetView:
-    """The plane of a sheet as a picture shows it: to the right and up two of x, y and z where the plane holds them, else the directions nearest to them.
+    """The plane of a sheet, of a curved one that normal to it in the middle, as a picture shows it: to the right and up two of x, y and z where the plane holds them, else the directions nearest to them.
 
     Parameters
     ----------
@@ -240,13 +240,13 @@ class SheetView:
     """
 
     def __init__(self, trace: SheetTrace) -> None:
-        self.trace, normal = trace, np.array(trace.sheet.normal)
+        self.trace, normal = trace, middle_normal(trace.sheet)
         right, up = (np.eye(3)[k] for k in range(3) if k != np.abs(np.round(normal, 9)).argmax())
         right = right - (right @ normal) * normal
         right /= np.linalg.norm(right)
         across = np.cross(normal, right)
         self.axes = np.round([right, across if across @ up > 0 else -across], 12) + 0.0
-        self.points = self.Of(trace.Places(trace.points))
+        self.points = self.Of(trace.places)
 
     def Of(self, places: np.ndarray) -> np.ndarray:
         """Coordinates (..., 2) of places (..., 3)."""

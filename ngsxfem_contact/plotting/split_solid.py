@@ -79,7 +79,7 @@ class SplitSolid:
         self.lip_faces, self.lips = lips, fan[corner[lips]]
         found = [on_sheet[tuple(face)] for face in faces[lips].tolist()]
         self.lip_crack, self.lip_element = (np.array([row[k] for row in found], dtype=int) for k in (0, 1))
-        self.lip_side = self._SidesOf(lips // 4, self.lip_crack)
+        self.lip_side = self._SidesOf(lips // 4)
         self.face_corners = fan[corner]
         doubled = np.bincount(place)[place] > 1
         self.point_side = np.zeros(len(place), dtype=int)
@@ -91,10 +91,18 @@ class SplitSolid:
         self.on_sheet[self.lips], self.point_element[self.lips.ravel()] = True, np.repeat(self.lip_element, 3)
         self.side = np.sign(self.point_side[self.tets].sum(axis=1))
 
-    def _SidesOf(self, tets: np.ndarray, cracks: np.ndarray) -> np.ndarray:
-        """On which side of sheets tetrahedra lie that touch them."""
-        origins, normals = (np.array([getattr(sheet, name) for sheet in self.body.cracks]).reshape(-1, 3)[cracks] for name in ("origin", "normal"))
-        return np.where(np.einsum("ij,ij->i", self.points[self.tets[tets]].mean(axis=1) - origins, normals) > 0, 1, -1)
+    def _SidesOf(self, tets: np.ndarray) -> np.ndarray:
+        """On which side of the sheet tetrahedra lie, one at each lip: by the plane of its triangle."""
+        lips, normals = self.points[self.lips], np.empty((len(tets), 3))
+        for crack, sheet in enumerate(self.body.cracks):
+            own = self.lip_crack == crack
+            if sheet.planar:
+                normals[own] = sheet.normal
+            elif own.any():
+                smooth = [sheet.FrameAt(*sheet.Flat(tuple(centre))[:2])[0] for centre in lips[own].mean(axis=1)]
+                plane = np.cross(lips[own, 1] - lips[own, 0], lips[own, 2] - lips[own, 0])
+                normals[own] = plane * np.sign(np.einsum("ij,ij->i", plane, smooth))[:, None]
+        return np.where(np.einsum("ij,ij->i", self.points[self.tets[tets]].mean(axis=1) - lips[:, 0], normals) > 0, 1, -1)
 
     def _At(self, cf: CoefficientFunction, elements: np.ndarray, places: np.ndarray) -> np.ndarray:
         """Values (n, dim) at places (n, 3) in elements (n,)."""

@@ -120,7 +120,7 @@ def side_of_nearest(body: Any, point: Any) -> int:
 @side_of_nearest.register(CrackedSolid)
 def side_of_nearest_sheet(body: CrackedSolid, point: Any) -> int:
     """The same of sheets."""
-    heights = [float(np.dot(np.subtract(point, sheet.origin), sheet.normal)) for sheet in body.cracks]
+    heights = [sheet.Flat(point)[2] for sheet in body.cracks]
     to_fronts = lambda number: min((front.Distance(point) for front in body.fronts if front.sheet == number), default=np.inf)
     distances = [abs(height) if sheet.Contains(point) else to_fronts(number) for number, (sheet, height) in enumerate(zip(body.cracks, heights))]
     return 1 if heights[int(np.argmin(distances))] >= 0 else -1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, singledispatch, wraps
 from typing import TYPE_CHECKING, Any
 
@@ -58,7 +59,7 @@ class TraceSpace(Described, core.TraceSpace):
         check_whole(order, "TraceSpace: order", 0)
         if nodes is None:
             nodes = [body.MeshNodes(c, order > 0) for c in range(len(body.cracks))]
-        elif np.iterable(nodes) and len(nodes) and np.ndim(nodes[0]) == 0:
+        elif isinstance(nodes, Sequence | np.ndarray) and len(nodes) and np.ndim(nodes[0]) == 0:
             nodes = [nodes]
         try:
             functions: core.TraceBasis = core.NodalTraceBasis(body, order, nodes)
