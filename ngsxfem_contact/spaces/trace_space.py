@@ -58,7 +58,7 @@ class TraceSpace(Described, core.TraceSpace):
         check_whole(order, "TraceSpace: order", 0)
         if nodes is None:
             nodes = [body.MeshNodes(c, order > 0) for c in range(len(body.cracks))]
-        elif np.iterable(nodes) and len(nodes) and np.ndim(nodes[0]) == 0:
+        elif hasattr(nodes, "__len__") and len(nodes) and np.ndim(nodes[0]) == 0:
             nodes = [nodes]
         try:
             functions: core.TraceBasis = core.NodalTraceBasis(body, order, nodes)
