@@ -38,7 +38,7 @@ class ContactPressure:
 
     Notes
     -----
-    Of λ alone, with friction, too.
+    Of λ alone, with friction, too. At closed tips, where λ is smooth, it is two to five times too large (docs/measured.md).
     """
 
     crack: int | str | None = None
