@@ -4,11 +4,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg
+import scipy
 from netgen.meshing import MeshingStep
 from netgen.occ import Face, OCCGeometry
-from scipy.interpolate import CubicSpline
 
 from . import curves
 from ._ngsxfem_contact import Crack, HeightField, Sheet
@@ -23,7 +21,7 @@ MARGIN = 0.25  # of the size, around the surface: there the heights go on smooth
 MOST_KNOTS = 120  # in a direction
 SMOOTHING = 1e-7  # weight of third differences beside the squares of residuals
 ROUGH = 0.02  # of the mean edge: farther from a corner the smooth surface is another one
-NEAR = 0.005  # of the mean edge: so near is the boundary to the spline through its corners, with as few pieces as that takes
+NEAR = 0.002  # of the mean edge: so near is the boundary to the spline through its corners, with as few pieces as that takes
 
 
 def from_triangles(points: Any, triangles: Any) -> Sheet:
@@ -144,14 +142,14 @@ def boundary_curve(points: np.ndarray, tolerance: float) -> Crack:
 def smooth_curve(points: np.ndarray, ends: str, tolerance: float) -> Crack:
     """The spline through points of the one through all points (n, 2), at equal distances, as few as keep it within a tolerance."""
     chords = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    whole = CubicSpline(chords, points, bc_type=ends)
+    whole = scipy.interpolate.CubicSpline(chords, points, bc_type=ends)
     samples = np.linspace(0, chords[-1], 16 * len(points))
     pieces = 6 if ends == "periodic" else 3
     while pieces < len(points) - 1:
         knots = np.linspace(0, chords[-1], pieces + 1)
         values = whole(knots)
         values[-1] = points[-1]
-        few = CubicSpline(knots, values, bc_type=ends)
+        few = scipy.interpolate.CubicSpline(knots, values, bc_type=ends)
         if np.linalg.norm(few(samples) - whole(samples), axis=1).max() <= tolerance:
             return curves.of_spline(few)
         pieces = int(np.ceil(1.25 * pieces))
@@ -173,11 +171,11 @@ def fitted(flat: np.ndarray, heights: np.ndarray, edge: float, points: np.ndarra
     intervals = np.clip(np.ceil(width / edge), 8, MOST_KNOTS).astype(int)
     spacing = width / intervals
     bases = [splines(flat[:, k], low[k], spacing[k], intervals[k]) for k in range(2)]
-    rows = sp.csr_matrix(sp.vstack([sp.kron(bases[0][i], bases[1][i]) for i in range(len(flat))]))
-    differences = [sp.diags([-1.0, 3.0, -3.0, 1.0], [0, 1, 2, 3], shape=(n, n + 3)) for n in intervals]
-    ones = [sp.eye(n + 3) for n in intervals]
-    rough = sp.vstack([sp.kron(differences[0], ones[1]), sp.kron(ones[0], differences[1])])
-    matrix = sp.csc_matrix(rows.T @ rows + SMOOTHING * (rough.T @ rough) + 1e-13 * sp.eye(rows.shape[1]))
+    rows = scipy.sparse.csr_matrix(scipy.sparse.vstack([scipy.sparse.kron(bases[0][i], bases[1][i]) for i in range(len(flat))]))
+    differences = [scipy.sparse.diags([-1.0, 3.0, -3.0, 1.0], [0, 1, 2, 3], shape=(n, n + 3)) for n in intervals]
+    ones = [scipy.sparse.eye(n + 3) for n in intervals]
+    rough = scipy.sparse.vstack([scipy.sparse.kron(differences[0], ones[1]), scipy.sparse.kron(ones[0], differences[1])])
+    matrix = scipy.sparse.csc_matrix(rows.T @ rows + SMOOTHING * (rough.T @ rough) + 1e-13 * scipy.sparse.eye(rows.shape[1]))
     coefficients = scipy.sparse.linalg.spsolve(matrix, rows.T @ heights)
     off = np.abs(rows @ coefficients - heights)
     if (worst := int(np.argmax(off))) >= 0 and off[worst] > ROUGH * edge:
@@ -188,14 +186,14 @@ def fitted(flat: np.ndarray, heights: np.ndarray, edge: float, points: np.ndarra
     return HeightField(tuple(low.tolist()), tuple(spacing.tolist()), coefficients.reshape(intervals + 3))
 
 
-def splines(at: np.ndarray, low: float, spacing: float, intervals: int) -> sp.csr_matrix:
+def splines(at: np.ndarray, low: float, spacing: float, intervals: int) -> "scipy.sparse.csr_matrix":
     """(n, intervals + 3): values of the B-splines."""
     x = (at - low) / spacing
     first = np.clip(np.floor(x).astype(int), 0, intervals - 1)
     t = x - first
     values = np.stack([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, 3 * (1 - t) ** 3 - 6 * (1 - t) ** 2 + 4, t**3], axis=1) / 6
     columns = first[:, None] + np.arange(4)
-    return sp.csr_matrix((values.ravel(), (np.repeat(np.arange(len(at)), 4), columns.ravel())), shape=(len(at), intervals + 3))
+    return scipy.sparse.csr_matrix((values.ravel(), (np.repeat(np.arange(len(at)), 4), columns.ravel())), shape=(len(at), intervals + 3))
 
 
 def from_stl(path: str | Path) -> Sheet:

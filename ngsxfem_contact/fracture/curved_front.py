@@ -1,4 +1,4 @@
-"""The integrals of section 14 of docs/method.md around a front of a curved sheet, in coordinates in which the sheet is flat: section 21.
+"""The integrals around a front of a curved sheet, in coordinates in which the sheet is flat: section 21 of docs/method.md.
 
 V = q N e₁ and the auxiliary fields b = U_i(x₁, x₂) e_i are functions of the coordinates of ExtrudedTube, whose frame turns with the sheet, with their true gradients and
 body forces, so that nothing is neglected for the curvature of S.

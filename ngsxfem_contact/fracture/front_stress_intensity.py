@@ -122,9 +122,7 @@ def front_factors(
     check_item(front, body.fronts, "front", "body.fronts")
     if getattr(material, "form", "") == "plane stress":
         raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.Solid(E, nu) has them")
-    curve = FrontCurve(body, front)
-    if not curve.sheet.planar and curve.sheet.curve is None:
-        raise ValueError(f"front_factors: front {front} is that of a sheet with heights over a plane; K is there for planar sheets and extruded cracks")
+    curve = curve_of(body, front)
     h = curve.h
     if radius is not None:
         check_positive(radius, f"front_factors: radius at front {front}")
@@ -144,6 +142,14 @@ def front_factors(
     G, (K_I, K_II, K_III) = values[0, :, 3], K.T
     G_error = np.maximum(errors[:, 3], np.abs(G - irwin))
     return FrontFactors(body, front, s, curve.Points(s), K_I, K_II, K_III, G, irwin, errors[:, :3], G_error, tuple(part * radius for part in RADII), values)
+
+
+def curve_of(body: CrackedSolid, front: int) -> FrontCurve:
+    """The FrontCurve; raises ValueError for a front around which there are no integrals."""
+    curve = FrontCurve(body, front)
+    if not curve.sheet.planar and curve.sheet.curve is None:
+        raise ValueError(f"front_factors: front {front} is that of a sheet with heights over a plane; K is there for planar sheets and extruded cracks")
+    return curve
 
 
 def _room(curve: FrontCurve, room: Room, h: float, given: float | None) -> tuple[float, list[tuple[float, float]]]:

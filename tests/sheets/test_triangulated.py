@@ -14,7 +14,7 @@ from ngsxfem_contact.exact.pennies import penny
 from ngsxfem_contact.exact.space_forms import stress_matrix, uniform_stress
 from ngsxfem_contact.fracture.front_fields import FrontField
 from ngsxfem_contact.fracture.front_stress_intensity import front_factors
-from ngsxfem_contact.geometry import FrontDemand, Sheet
+from ngsxfem_contact.geometry import Sheet
 from ngsxfem_contact.spaces import FrontEnrichment
 
 pytestmark = pytest.mark.filterwarnings("ignore:CrackFESpace. .* nodes around fronts have no modes")
@@ -23,7 +23,7 @@ MATERIAL = Elasticity.Solid(E=2.5, nu=0.25)
 RADIUS, SPHERE = 0.3, 0.75
 MIDDLE = np.array([0.49, 0.51, 0.48])
 CAP_AREA = 2 * np.pi * SPHERE * (SPHERE - np.sqrt(SPHERE**2 - RADIUS**2))
-MESHES = {h: cube_mesh(h) for h in (0.25, 0.12, 0.07)}
+MESHES = {h: cube_mesh(h) for h in (0.25, 0.12, 0.05)}
 
 
 def cap(rings=12, sphere=SPHERE, middle=MIDDLE, turn=np.eye(3)):
@@ -78,8 +78,8 @@ def test_the_smooth_surface():
 
 def test_areas_converge():
     """Of the cap, which the smooth surface and its front follow: order two in h, in the mean of positions."""
-    means = []
-    for mesh in MESHES.values():
+    means, sizes = [], []
+    for mesh in (MESHES[0.25], MESHES[0.05]):
         errors = []
         for k in range(4):
             body = CrackedMesh(mesh, Sheet.FromTriangles(*cap(turn=turned((1, 2, 0.5), 0.3 * k + 0.1), middle=MIDDLE + k * np.array([0.01, 0, -0.007]))))
@@ -88,7 +88,8 @@ def test_areas_converge():
             assert np.abs(np.linalg.norm(points - MIDDLE - k * np.array([0.01, 0, -0.007]), axis=1) - RADIUS).max() < 3e-4
             errors.append(abs(Integrate(1 * body.dcrack, mesh) / CAP_AREA - 1))
         means.append(np.mean(errors))
-    assert means[2] < 1.5e-3 and np.log(means[0] / means[2]) / np.log(0.25 / 0.07) > 1.5
+        sizes.append(mesh.ne ** (-1 / 3))
+    assert means[1] < 4e-4 and np.log(means[0] / means[1]) / np.log(sizes[0] / sizes[1]) > 1.7
 
 
 def test_gradients_of_modes():
@@ -107,13 +108,9 @@ def test_uniform_pressure():
     """-p I: λ = -p to round-off without modes, to the defect of the rules with them."""
     form = uniform_stress(MATERIAL, stress_matrix(xx=-1, yy=-1, zz=-1))
     assert np.abs(problem_of(MESHES[0.25], CAP, form, None).Solve().state.L + 1).max() < 1e-10
-    fine = FrontEnrichment(rules=FrontDemand(0, 6, 6, 5, 7, 0.35))
-    means = []
-    for front in (FrontEnrichment(), fine):
-        solution = problem_of(MESHES[0.12], CAP, form, front).Solve()
-        areas = solution.state.nodes.weights
-        means.append(np.sqrt((solution.state.L + 1) ** 2 @ areas / areas.sum()))
-    assert means[0] < 5e-4 and means[1] < 0.6 * means[0]
+    solution = problem_of(MESHES[0.12], CAP, form).Solve()
+    areas = solution.state.nodes.weights
+    assert np.sqrt((solution.state.L + 1) ** 2 @ areas / areas.sum()) < 5e-4 and np.abs(solution.state.L + 1).max() < 2e-3
 
 
 def test_a_flat_triangulation_is_a_disk():
@@ -126,7 +123,7 @@ def test_a_flat_triangulation_is_a_disk():
         problem.FacePressure(1.0)
         solution = problem.Solve()
         found.append((Integrate(solution.gap * solution.body.dcrack, solution.body.mesh), solution.Energy(), len(solution.Profile())))
-    assert found[1][:2] == pytest.approx(found[0][:2], rel=2e-4) and found[0][2] == found[1][2]
+    assert found[1][:2] == pytest.approx(found[0][:2], rel=1e-3) and found[0][2] == found[1][2]
 
 
 def written(tmp_path, text):
@@ -154,13 +151,13 @@ def test_files(tmp_path, text):
 
 
 def test_faces_of_solids():
-    """A piece of a cylinder: its area, and four corners of the front."""
-    block = Cylinder(Pnt(0.5, -1, -0.5), Y, 1, 3) * Box(Pnt(0.2, 0.3, 0), Pnt(0.8, 0.8, 1))
-    face = max(block.faces, key=lambda face: face.center.z)
-    sheet = Sheet.FromFace(face, 0.08)
-    assert len(sheet.loops[0].points) > 5 and abs(sheet.FrameAt(0, 0)[0][2]) > 0.99
+    """A piece of a cylinder: its area, and the four straight sides of its projection."""
+    block = Cylinder(Pnt(0.5, -1, -0.5), Y, 1, 3) * Box(Pnt(0.52, 0.3, 0), Pnt(0.92, 0.8, 1))
+    sheet = Sheet.FromFace(max(block.faces, key=lambda face: face.center.z), 0.08)
+    assert len(sheet.loops[0].points) == 5
     body = CrackedMesh(MESHES[0.12], sheet)
-    assert Integrate(1 * body.dcrack, MESHES[0.12]) == pytest.approx(2 * np.arcsin(0.3) * 0.5, rel=5e-3) and len(body.fronts[0].corners) == 4
+    assert Integrate(1 * body.dcrack, MESHES[0.12]) == pytest.approx(0.5 * (np.arcsin(0.42) - np.arcsin(0.02)), rel=5e-3)
+    assert len(body.fronts[0].corners) == 4
 
 
 TETRAHEDRON = np.array([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
