@@ -11,12 +11,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+import scipy
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import Mesh
-from scipy.sparse import csr_matrix, diags
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from scipy.sparse import csr_matrix
 
 T = TypeVar("T")
 __all__ = ["DistributedMesh"]
@@ -254,8 +256,8 @@ class Exchange(Processes):
             return additive
         others = np.ones(additive.shape[0])
         others[self.shared] = 0
-        place = csr_matrix((np.ones(len(self.shared)), (self.shared, self.numbers)), shape=(additive.shape[0], self.total))
-        return (diags(others) @ additive + place @ self.Sum((place.T @ additive).tocsr())).tocsr()
+        place = scipy.sparse.csr_matrix((np.ones(len(self.shared)), (self.shared, self.numbers)), shape=(additive.shape[0], self.total))
+        return (scipy.sparse.diags(others) @ additive + place @ self.Sum((place.T @ additive).tocsr())).tocsr()
 
     def Additive(self, consistent: Any) -> Any:
         """An additive array, or a matrix with additive columns, from a consistent one."""

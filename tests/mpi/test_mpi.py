@@ -104,7 +104,7 @@ def inaccuracies(direct, found):
         if key == "cg active":
             same = np.array_equal(exact[-1], approximate)
         elif key == "cg K":
-            same = np.abs(approximate - exact[:, :2]).max(initial=0) <= ITERATIVE["K"] * np.abs(exact).max(initial=0)
+            same = np.abs(approximate.ravel() - exact[..., :2].ravel()).max(initial=0) <= ITERATIVE["K"] * np.abs(exact).max(initial=0)
         else:
             same = np.abs(approximate - exact).max(initial=0) <= ITERATIVE.get(key.removeprefix("cg "), ITERATIVE["L"]) * np.abs(exact).max(initial=0)
         if not same:
