@@ -71,7 +71,7 @@ def sheet_data(solution: Any) -> Grid:
     first = 0
     for crack in range(len(body.cracks)):
         trace, profile = SheetTrace(body, crack), solution.Profile(crack)
-        axes, row = np.array(body.cracks[crack].axes), {int(element): i for i, element in enumerate(profile.element)}
+        axes = np.array(body.cracks[crack].axes)
         inside = np.flatnonzero(trace.inside)
         loops = [trace.loops[k] for k in inside]
         at = trace.Places(trace.points[np.concatenate(loops)])
@@ -79,7 +79,7 @@ def sheet_data(solution: Any) -> Grid:
         points = mesh_points(body.mesh, elements, *reference_coordinates(body.mesh, elements, at).T)
         values = [np.reshape(f(points), (len(at), 3)) for f in (Plus(u), Minus(u), Jump(u))]
         of_points.append(dict(zip(("displacement_plus", "displacement_minus", "jump"), values)))
-        rows = profile[[row[int(element)] for element in trace.element[inside]]]
+        rows = profile.RowsOf(trace.element[inside])
         tangential = lambda name, rows=rows, axes=axes: np.column_stack([rows[f"{name}_1"], rows[f"{name}_2"]]) @ axes
         states = np.array([STATES[state] for state in rows.state])
         of_cells.append(
