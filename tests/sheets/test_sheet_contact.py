@@ -1,4 +1,4 @@
-"""Uniform pressure on sheets in any position."""
+"""Uniform pressure on sheets in any position, with multipliers of both orders."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def body_of(mesh, sheet):
         return None
 
 
-@pytest.mark.parametrize("multipliers", (0,))
+@pytest.mark.parametrize("multipliers", (0, 1))
 @pytest.mark.parametrize("seed", range(4))
 def test_random_sheets(seed, multipliers):
     """λ = -1 to round-off without modes; S is positive definite and well conditioned."""
@@ -37,7 +37,7 @@ def test_random_sheets(seed, multipliers):
         assert worst < 1e-10 and least > 1e-3 and condition < 1e4 and steps <= 4
 
 
-@pytest.mark.parametrize("multipliers", (0,))
+@pytest.mark.parametrize("multipliers", (0, 1))
 @pytest.mark.parametrize("offset", (0, 1e-12, -1e-9))
 def test_special_sheets(offset, multipliers):
     """Through vertices, edges and faces, fronts too."""
@@ -47,11 +47,20 @@ def test_special_sheets(offset, multipliers):
             assert worst < 1e-10 and least > 1e-4 and steps <= 4, kind
 
 
-@pytest.mark.parametrize("multipliers", (0,))
+@pytest.mark.parametrize("multipliers", (0, 1))
 def test_with_modes(multipliers):
     """To what the rules leave."""
     worst, mean, least, _, _ = patch(CrackedMesh(MESH, Sheet.Disk((0.49, 0.51, 0.513), (0.1, 0.2, 1), 0.3)), FrontEnrichment(), multipliers)
     assert worst < 3e-3 and mean < 5e-4 and least > 1e-3
+
+
+def test_nodes_that_are_nearly_one_are_joined():
+    """A plane at 1e-9 beside a vertex cuts all edges there in about one point."""
+    vertices = np.array([v.point for v in MESH.vertices])
+    inner = vertices[np.argmin(np.linalg.norm(vertices - 0.5, axis=1))]
+    normal = np.array([0.3, -0.2, 1]) / np.linalg.norm([0.3, -0.2, 1])
+    through, beside = (TraceSpace(CrackedMesh(MESH, whole_plane(inner + d * normal, normal)), order=1) for d in (0, 1e-9))
+    assert through.ndof == beside.ndof
 
 
 @pytest.mark.parametrize("order", (1, 2))
@@ -73,7 +82,7 @@ def test_blocks_that_are_moved_apart(order):
             assert solution.ContactArea() == 0 and np.allclose(solution.state.nodes.Means(solution.gap), 0.1, atol=1e-10)
 
 
-@pytest.mark.parametrize("multipliers", (0,))
+@pytest.mark.parametrize("multipliers", (0, 1))
 def test_a_front_that_runs_beside_a_face(multipliers):
     """A disk that enters elements by 1e-9 of their size: there is nothing of it in some of them."""
     vertices = np.array([v.point for v in MESH.vertices])
