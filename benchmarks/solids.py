@@ -1,10 +1,11 @@
 """Cracks in space: rates at a straight front, pennies that open, close and slide, a partially closed crack, stability for planes in any position.
 
-    python benchmarks/solids.py [fronts] [pennies] [factors] [partial] [planes] [--realisations 100]
+    python benchmarks/solids.py [fronts] [pennies] [factors] [away] [partial] [multipliers] [planes] [--realisations 100]
 
 fronts: the H¹ error of K_I, K_II, K_III = 1 along a straight front in n³ cubes. pennies: a disk of radius a = 0.3 in the unit cube whose mesh is refined around it.
-factors: K along its front from solutions, with edges of h on the disk.
-partial: a plane crack that is open for ρ < 0.3. planes: the eigenvalues of the multipliers' Schur complement for random planes through the cube.
+factors: K along its front from solutions, with edges of h on the disk. away: the same for P1 by the edges away from it, and by how far from the front nodes have modes.
+partial: a plane crack that is open for ρ < a = 0.3, by multipliers of order 0. multipliers: the same by orders 0 and 1, with the radius that nodes in contact leave, by their
+weights, and that outside of which λ < 0; and closed pennies by both, modes for r < 1.7 h. planes: the eigenvalues of the multipliers' Schur complement for random planes through the cube.
 """
 
 import sys
@@ -14,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from netgen.csg import CSGeometry, OrthoBrick, Pnt
 from netgen.meshing import MeshingParameters
-from ngsolve import CF, Grad, InnerProduct, Integrate, Mesh, sqrt, x
+from ngsolve import CF, Grad, IfPos, InnerProduct, Integrate, Mesh, sqrt, x
 from results import recorded, run_cases
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[1] / "tests" / "sheets")]
@@ -37,9 +38,9 @@ def relative(error, whole, measure, mesh):
     return sqrt(Integrate(InnerProduct(error, error) * measure, mesh) / Integrate(InnerProduct(whole, whole) * measure, mesh))
 
 
-def solved(body, form, front, order=1, **arguments):
+def solved(body, form, front, order=1, multipliers=0, **arguments):
     V = CrackFESpace(body, order=order, dirichlet="outer", front=front, material=MATERIAL)
-    problem = ContactProblem(V, TraceSpace(body), **arguments)
+    problem = ContactProblem(V, TraceSpace(body, order=multipliers), **arguments)
     problem.SetDirichlet(form.u, "outer")
     return problem.Solve()
 
@@ -75,11 +76,17 @@ def refined(maxh, times):
             mesh.SetRefinementFlag(element, bool(any(near[v.nr] for v in element.vertices)))
         mesh.Refine()
     body = CrackedMesh(mesh, disk)
+    return body, mean_edge(body)
+
+
+def mean_edge(body):
+    """Of the elements that the sheet cuts."""
+    mesh = body.mesh
     points = np.array([v.point for v in mesh.vertices])
     at = np.unique([cell.element for cell in body.Elements(0)])
     elements = list(mesh.Elements())
     edges = [np.linalg.norm(points[e.vertices[i].nr] - points[e.vertices[j].nr]) for e in (elements[k] for k in at) for i in range(4) for j in range(i)]
-    return body, float(np.mean(edges))
+    return float(np.mean(edges))
 
 
 def pennies(number):
@@ -109,14 +116,27 @@ def pennies(number):
                 )
 
 
-def fine_on_disk(h):
-    """A mesh of the cube with edges of h on the disk, of 0.12 away from it."""
-    geometry, sizes = CSGeometry(), MeshingParameters(maxh=0.12, grading=0.3)
+def fine_on_disk(h, away=0.12):
+    """A mesh of the cube with edges of h on the disk, and of another length away from it."""
+    geometry, sizes = CSGeometry(), MeshingParameters(maxh=away, grading=0.3)
     geometry.Add(OrthoBrick(Pnt(0, 0, 0), Pnt(1, 1, 1)).bc("outer"))
     for r in np.arange(0, RADIUS + 2 * h, h):
         for t in np.arange(0, 2 * np.pi, h / max(r, h)):
             sizes.RestrictH(x=CENTRE[0] + r * np.cos(t), y=CENTRE[1] + r * np.sin(t), z=CENTRE[2], h=h)
     return Mesh(geometry.GenerateMesh(mp=sizes))
+
+
+def penny_problem(body, form, order, radius, law=None):
+    V = CrackFESpace(body, order=order, dirichlet="outer", front=FrontEnrichment(radius=radius), material=MATERIAL)
+    problem = ContactProblem(V, TraceSpace(body), law=law)
+    problem.SetDirichlet(form.u, "outer")
+    return problem
+
+
+def factor_errors(found, form):
+    """Of K_I, K_II, K_III at the nodes, (n, 3), and the largest K."""
+    exact = form.Factors(found.points)
+    return np.column_stack([found.K_I, found.K_II, found.K_III]) - exact, np.abs(exact).max()
 
 
 def factors(number):
@@ -130,23 +150,46 @@ def factors(number):
             if law and (ratio == 10 or (ratio, order) == (8, 2)):
                 continue  # more than 5,000 multipliers, or minutes
             body, form, start = CrackedMesh(mesh, Sheet.Disk(CENTRE, (0, 0, 1), RADIUS)), form.At(CENTRE), time.perf_counter()
-            V = CrackFESpace(body, order=order, dirichlet="outer", front=FrontEnrichment(radius=radius * h), material=MATERIAL)
-            problem = ContactProblem(V, TraceSpace(body), law=law)
-            problem.SetDirichlet(form.u, "outer")
+            problem = penny_problem(body, form, order, radius * h, law)
             if not law:
                 problem.FacePressure(2.0 * (x - CENTRE[0]))
             solution = problem.Solve()
             solution.u  # noqa: B018  recovers it
             solved_at = time.perf_counter()
             found = solution.StressIntensity()
-            exact = form.Factors(found.points)
-            off = np.abs(np.column_stack([found.K_I, found.K_II, found.K_III]) - exact)
-            percent, covered = 100 * off / np.abs(exact).max(), np.mean(off <= found.errors)
+            off, largest = factor_errors(found, form)
+            percent, covered = 100 * np.abs(off) / largest, np.mean(np.abs(off) <= found.errors)
             numbers = "".join(f"{f'{one.max():.2f} {np.sqrt(np.mean(one**2)):.2f}':>14}" for one in percent.T)
             name, seconds = "at front" if not radius else f"r < {radius} h", (solved_at - start, time.perf_counter() - solved_at)
             print(
-                f"{kind:20}{order:6}{name:>11}{ratio:5}{V.ndof:8}{len(solution.state.L):6}{numbers}{covered:9.0%}{seconds[0]:7.1f}{seconds[1]:6.1f}", flush=True
+                f"{kind:20}{order:6}{name:>11}{ratio:5}{problem.V.ndof:8}{len(solution.state.L):6}{numbers}{covered:9.0%}{seconds[0]:7.1f}{seconds[1]:6.1f}",
+                flush=True,
             )
+
+
+def away(number):
+    bent = penny_in_tension(MATERIAL, RADIUS, 1.0) + bent_penny(MATERIAL, RADIUS, 2.0)
+    forms = {"tension and bending": bent.At(CENTRE), "closed, shear": closed_penny(MATERIAL, RADIUS, 1.0, 0.8).At(CENTRE)}
+    print("P1; largest error and mean of the signed error at the nodes along the front, percent of the largest K; processor seconds of solve")
+    print(f"{'penny':20}{'modes':>11}{'a/h':>5}{'a/h away':>9}{'N':>8}{'m':>6}{'K_I':>14}{'K_II':>14}{'K_III':>14}{'solve':>7}")
+    for ratio, edge in ((5, 0.12), (5, 0.06), (8, 0.12), (8, 0.06), (10, 0.12), (10, 0.06)):
+        mesh, h = fine_on_disk(RADIUS / ratio, edge), RADIUS / ratio
+        body = CrackedMesh(mesh, Sheet.Disk(CENTRE, (0, 0, 1), RADIUS))
+        for kind, form in forms.items():
+            for radius in (0, 1.5, 2.5):
+                if radius and (ratio, edge) != (10, 0.06):
+                    continue
+                start = time.process_time()
+                problem = penny_problem(body, form, 1, radius * h)
+                if "bending" in kind:
+                    problem.FacePressure(2.0 * (x - CENTRE[0]))
+                solution = problem.Solve(inverse="sparsecholesky")
+                solution.u  # noqa: B018  recovers it
+                seconds = time.process_time() - start
+                off, largest = factor_errors(solution.StressIntensity(), form)
+                numbers = "".join(f"{f'{np.abs(one).max():.2f} {one.mean():.2f}':>14}" for one in 100 * off.T / largest)
+                name = "at front" if not radius else f"r < {radius} h"
+                print(f"{kind:20}{name:>11}{ratio:5}{RADIUS / edge:9.1f}{problem.V.ndof:8}{len(solution.state.L):6}{numbers}{seconds:7.1f}", flush=True)
 
 
 def partial(number):
@@ -159,6 +202,40 @@ def partial(number):
         error = relative(solution.multiplier - form.pressure, form.pressure, body.dcrack(bonus_intorder=2), body.mesh)
         radius = np.sqrt((1 - solution.ContactArea()) / np.pi)
         print(f"{maxh:5}{solution.problem.V.ndof:8}{len(solution.state.L):6}{error:8.3f}{radius:8.3f}{solution.report.iterations:7}", flush=True)
+
+
+def multipliers(number):
+    form, z = partially_closed(MATERIAL, RADIUS).At(CENTRE), CENTRE[2]
+    print(f"{'partially closed':22}{'of λ':>5}{'h/a':>6}{'N':>8}{'m':>6}{'λ L2':>8}{'contact':>9}{'off / h':>9}{'λ < 0':>8}{'off / h':>9}{'steps':>7}")
+    for of_pressure in (0, 1):
+        sizes, errors = [], []
+        for maxh in (0.22, 0.15, 0.11, 0.08):
+            body = CrackedMesh(cube_mesh(maxh), Sheet.Polygon([(-1, -1, z), (2, -1, z), (2, 2, z), (-1, 2, z)]))
+            solution = solved(body, form, None, multipliers=of_pressure)
+            sizes.append(mean_edge(body))
+            errors.append(relative(solution.multiplier - form.pressure, form.pressure, body.dcrack(bonus_intorder=4), body.mesh))
+            pressed = Integrate(IfPos(-1e-12 - solution.multiplier, 1, 0) * body.dcrack(bonus_intorder=4), body.mesh)
+            radii = "".join(f"{r:8.3f}{(r - RADIUS) / sizes[-1]:9.2f}" for r in np.sqrt((1 - np.array([solution.ContactArea(), pressed])) / np.pi))
+            print(
+                f"{'':22}{of_pressure:5}{sizes[-1] / RADIUS:6.2f}{solution.problem.V.ndof:8}{len(solution.state.L):6}{errors[-1]:8.3f} {radii}{solution.report.iterations:7}",
+                flush=True,
+            )
+        print(f"{'':22}{'order in h':>25}{np.polyfit(np.log(sizes), np.log(errors), 1)[0]:16.2f}")
+    print(f"{'closed penny':22}{'of λ':>5}{'h/a':>6}{'N':>8}{'m':>6}{'λ L2':>8}{'λ worst':>9}{'mean slip':>11}{'steps':>7}")
+    for maxh, times in ((0.1, 0), (0.2, 2), (0.13, 2)):
+        body, h = refined(maxh, times)
+        around = body.dcrack(bonus_intorder=2, fronts=FrontDemand())
+        for name, friction in (("frictionless", 0), ("Coulomb 0.3", 0.3)):
+            form = closed_penny(MATERIAL, RADIUS, 1.0, 0.8, friction).At(CENTRE)
+            for of_pressure in (0, 1):
+                solution = solved(body, form, FrontEnrichment(radius=1.7 * h), multipliers=of_pressure, law=Coulomb(friction) if friction else None)
+                error = relative(solution.multiplier + 1, CF(1.0), body.dcrack, body.mesh)
+                slip = Integrate(Jump(solution.u)[0] * around, body.mesh) / Integrate(form.opening[0] * around, body.mesh)
+                m, worst = len(solution.state.nodes), np.abs(solution.state.L[: len(solution.state.nodes)] + 1).max()
+                print(
+                    f"{name:22}{of_pressure:5}{h / RADIUS:6.2f}{solution.problem.V.ndof:8}{m:6}{error:8.3f}{worst:9.2f}{slip:11.3f}{solution.report.iterations:7}",
+                    flush=True,
+                )
 
 
 def planes(number):
@@ -177,7 +254,7 @@ def planes(number):
 
 
 def main():
-    run_cases(__doc__, (fronts, pennies, factors, partial, planes), 100)
+    run_cases(__doc__, (fronts, pennies, factors, away, partial, multipliers, planes), 100)
 
 
 if __name__ == "__main__":

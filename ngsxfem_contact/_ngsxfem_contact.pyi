@@ -42,6 +42,7 @@ __all__: list[str] = [
     "InnerIntegrals",
     "IntegralsOn",
     "IsTestFunction",
+    "LinearSheetTraceSpace",
     "MeshTraceBasis",
     "NameOf",
     "NodalTraceBasis",
@@ -974,6 +975,26 @@ class MeshTraceBasis(TraceBasis):
     def __init__(
         self, body: CrackedMesh, order: int, division: collections.abc.Sequence[collections.abc.Sequence[float]], left_out: collections.abc.Set[int]
     ) -> None: ...
+
+class LinearSheetTraceSpace(ngsolve.comp.FESpace):
+    """Multipliers of order 1 on the sheets of a body in space; ngsxfem_contact.TraceSpace builds it."""
+
+    def __init__(self, body: CrackedSolid) -> None: ...
+    @property
+    def body(self) -> CrackedSolid:
+        """The CrackedSolid."""
+
+    @property
+    def neighbours(self) -> list[typing.Annotated[list[int], "FixedSize(2)"]]:
+        """Pairs of nodes that a side of a polygon joins."""
+
+    @property
+    def positions(self) -> list[typing.Annotated[list[float], "FixedSize(3)"]]:
+        """The nodes: the points (x, y, z) in which planes of sheets cut edges of the mesh."""
+
+    @property
+    def sheets(self) -> list[int]:
+        """Of each node the number of its sheet."""
 
 class FrontSpec:
     """What a space of a solid needs to know of its fronts; FrontEnrichment makes it."""

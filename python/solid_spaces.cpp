@@ -1,4 +1,5 @@
 #include "enriched_space.hpp"
+#include "spaces/linear_sheet_trace_space.hpp"
 
 using namespace ngsxfem_contact;
 using namespace ngcomp;
@@ -29,8 +30,27 @@ static void ExportFrontSpec (py::module & m)
                     [] (py::tuple t) { return MakeFrontSpec(t[0].cast<Materials>(), t[1].cast<FrontDemand>()); }));
 }
 
+static void ExportLinearSheetTraceSpace (py::module & m)
+{
+  using Space = LinearSheetTraceSpace;
+  py::class_<Space, shared_ptr<Space>, FESpace>(m, "LinearSheetTraceSpace", "Multipliers of order 1 on the sheets of a body in space; ngsxfem_contact.TraceSpace builds it.")
+    .def(py::init([] (shared_ptr<CrackedSolid> body) { return Updated(make_shared<Space>(body)); }), py::arg("body"))
+    .def_property_readonly("body", &Space::GetBody, "The CrackedSolid.")
+    .def_property_readonly("sheets", [] (const Space & w) { return w.Nodes().sheets; }, "Of each node the number of its sheet.")
+    .def_property_readonly("positions", [] (const Space & w)
+         {
+           std::vector<std::array<double,3>> positions;
+           for (auto & x : w.Nodes().positions) positions.push_back({ x(0), x(1), x(2) });
+           return positions;
+         }, "The nodes: the points (x, y, z) in which planes of sheets cut edges of the mesh.")
+    .def_property_readonly("neighbours", [] (const Space & w) { return w.Nodes().neighbours; }, "Pairs of nodes that a side of a polygon joins.")
+    .def(py::pickle([] (const Space & w) { return py::make_tuple(w.GetBody()); },
+                    [] (py::tuple t) { return Updated(make_shared<Space>(t[0].cast<shared_ptr<CrackedSolid>>())); }));
+}
+
 void ExportSolidSpaces (py::module & m)
 {
+  ExportLinearSheetTraceSpace(m);
   ExportFrontSpec(m);
   using Space = SolidFESpace;
   py::class_<Space, shared_ptr<Space>, FESpace> space(m, "SolidFESpace",

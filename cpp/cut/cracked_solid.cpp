@@ -229,11 +229,15 @@ namespace ngsxfem_contact
               }
             auto [lowest, highest] = std::ranges::minmax(parts.heights);
             if (!(lowest < 0 && highest > 0)) continue;
-            double area = 0.5*Norm(Cross(Point3(t[1]-t[0]), Point3(t[2]-t[0]))), above = 0;
+            double area = 0.5*Norm(Cross(Point3(t[1]-t[0]), Point3(t[2]-t[0])));
             Polygon reference { Point(1., 0.), Point(0., 1.), Point(0., 0.) };
-            for (auto & part : Fan(Split(reference, { parts.heights.begin(), parts.heights.end() })[0])) above += 2*Area(part)*area;
             parts.crack = cut->Sides().crack;
-            parts.sizes = { above, area-above };
+            for (auto & side : Split(reference, { parts.heights.begin(), parts.heights.end() }))
+              {
+                double size = 0;                           // also of a small side, which a difference would round to nothing
+                for (auto & part : Fan(side)) size += 2*Area(part)*area;
+                parts.sizes.push_back(size);
+              }
             parts.beside = { { element, 0 }, { element, 1 } };
             boundary_parts.emplace(i, std::move(parts));
             break;

@@ -101,6 +101,8 @@ namespace ngsxfem_contact
         auto rule = rules.Find(2*fel.Order()+bonus_intorder, trafo.GetElementNr());
         if (!rule)
           BASE::CalcElementVector(fel, trafo, elvec, lh);
+        else if (rule->ir.Size() == 0)                     // NGSolve's mapped rules have at least one point
+          elvec = 0;
         else if (!simd_evaluate)
           CalcScalar(fel, trafo, rule->ir, elvec, lh);
         else

@@ -30,6 +30,22 @@ namespace ngsxfem_contact
     }
   }
 
+  namespace
+  {
+    /// The middle of a boundary element in the reference coordinates of a neighbour.
+    ngfem::IntegrationPoint MiddleIn (const MeshAccess & mesh, size_t neighbour, size_t boundary_element)
+    {
+      auto el = mesh.GetElement(ElementId(VOL, neighbour));
+      auto on_boundary = mesh.GetElement(ElementId(BND, boundary_element)).Vertices();
+      auto reference = ngfem::ElementTopology::GetVertices(el.GetType());
+      ngfem::IntegrationPoint middle(0, 0, 0, 0);
+      for (size_t i = 0; i < el.Vertices().Size(); i++)
+        if (on_boundary.Contains(el.Vertices()[i]))
+          for (int d = 0; d < 3; d++) middle(d) += reference[i][d] / on_boundary.Size();
+      return middle;
+    }
+  }
+
   /// A smaller part of a support than this has no copy: the energy of what is missed is the square root of it, relative to the jump.
   constexpr double smallest_part = 1e-14;
 
@@ -278,7 +294,9 @@ namespace ngsxfem_contact
     if (auto parts = Geometry().FindBoundary(element)) return parts->beside;
     Array<int> neighbours;
     ma->GetFacetElements(MeshParts<D>::FacetOf(*ma, element), neighbours);
-    return { { size_t(neighbours[0]), 0 } };
+    size_t neighbour = neighbours[0];
+    auto cut = Geometry().Find(neighbour);
+    return { { neighbour, cut && cut->NumParts() > 1 ? cut->PartAt(MiddleIn(*ma, neighbour, element)) : 0 } };
   }
 
   template <int D>

@@ -1,5 +1,4 @@
 #include "spaces/trace_space.hpp"
-#include "spaces/scalar_operator.hpp"
 #include <algorithm>
 
 namespace ngsxfem_contact
@@ -42,14 +41,14 @@ namespace ngsxfem_contact
 
   namespace
   {
-    class NodalTraceElement : public TraceElement
+    class NodalTraceElement : public TraceElement<2>
     {
       const Crack & crack;
       FlatArray<const double> division;         // into the element's intervals
       FlatArray<const double> lobatto;
     public:
       NodalTraceElement (const Crack & acrack, FlatArray<const double> adivision, FlatArray<const double> alobatto, int aorder)
-        : TraceElement(aorder ? (adivision.Size()-1)*aorder+1 : adivision.Size()-1, aorder), crack(acrack), division(adivision), lobatto(alobatto) { }
+        : TraceElement<2>(aorder ? (adivision.Size()-1)*aorder+1 : adivision.Size()-1, aorder), crack(acrack), division(adivision), lobatto(alobatto) { }
 
       void CalcShape (const IntegrationPoint &, Point x, BareSliceVector<> shape) const override
       {
@@ -68,13 +67,13 @@ namespace ngsxfem_contact
       }
     };
 
-    class MeshTraceElement : public TraceElement
+    class MeshTraceElement : public TraceElement<2>
     {
       const BaseScalarFiniteElement & scalar;
       FlatArray<int> used;
     public:
       MeshTraceElement (const BaseScalarFiniteElement & ascalar, FlatArray<int> aused)
-        : TraceElement(aused.Size(), ascalar.Order()), scalar(ascalar), used(aused) { }
+        : TraceElement<2>(aused.Size(), ascalar.Order()), scalar(ascalar), used(aused) { }
 
       void CalcShape (const IntegrationPoint & ip, Point, BareSliceVector<> shape) const override
       {
@@ -86,13 +85,13 @@ namespace ngsxfem_contact
     };
 
     /// The functions on each of several stretches of cracks, zero on the others.
-    class SharedTraceElement : public TraceElement
+    class SharedTraceElement : public TraceElement<2>
     {
     public:
-      struct Stretch { size_t crack; double s0, s1; TraceElement * functions; };
+      struct Stretch { size_t crack; double s0, s1; TraceElement<2> * functions; };
 
       SharedTraceElement (const std::vector<Crack> & acracks, const CutElement & acut, FlatArray<Stretch> astretches)
-        : TraceElement(0, astretches[0].functions->Order()), cracks(acracks), cut(acut), stretches(astretches)
+        : TraceElement<2>(0, astretches[0].functions->Order()), cracks(acracks), cut(acut), stretches(astretches)
       { for (auto & stretch : stretches) ndof += stretch.functions->GetNDof(); }
 
       void CalcShape (const IntegrationPoint & ip, Point x, BareSliceVector<> shape) const override
@@ -110,42 +109,6 @@ namespace ngsxfem_contact
       const std::vector<Crack> & cracks;
       const CutElement & cut;
       FlatArray<Stretch> stretches;
-    };
-
-    class TraceDiffOp : public ScalarOperator
-    {
-    public:
-      TraceDiffOp () : ScalarOperator(0) { }
-      string Name () const override { return "Id"; }
-      bool operator== (const DifferentialOperator & other) const override { return dynamic_cast<const TraceDiffOp*>(&other); }
-      using ScalarOperator::CalcMatrix;
-
-      void CalcMatrix (const FiniteElement & fel, const BaseMappedIntegrationPoint & mip, BareSliceMatrix<double,ColMajor> mat, LocalHeap & lh) const override
-      {
-        HeapReset hr(lh);
-        if (fel.GetNDof() == 0) return;
-        FlatVector<> shape(fel.GetNDof(), lh);
-        auto x = mip.GetPoint();
-        static_cast<const TraceElement&>(fel).CalcShape(mip.IP(), Point(x(0), x(1)), shape);
-        for (int j = 0; j < fel.GetNDof(); j++) mat(0, j) = shape(j);
-      }
-
-      void CalcMatrix (const FiniteElement & fel, const SIMD_BaseMappedIntegrationRule & mir, BareSliceMatrix<SIMD<double>> mat) const override
-      {
-        if (fel.GetNDof() == 0) return;
-        constexpr int lanes = SIMD<double>::Size();
-        ArrayMem<double, 100> mem(fel.GetNDof()*lanes);
-        FlatMatrix<> shapes(lanes, fel.GetNDof(), mem.Data());
-        auto x = mir.GetPoints();
-        for (size_t i = 0; i < mir.Size(); i++)
-          {
-            for (int k = 0; k < lanes; k++)
-              static_cast<const TraceElement&>(fel).CalcShape
-                (IntegrationPoint(mir.IR()[i](0)[k], mir.IR()[i](1)[k], 0, 0), Point(x(i,0)[k], x(i,1)[k]), shapes.Row(k));
-            for (int j = 0; j < fel.GetNDof(); j++)
-              mat(j, i) = SIMD<double>([&] (int k) { return shapes(k, j); });
-          }
-      }
     };
   }
 
@@ -288,7 +251,7 @@ namespace ngsxfem_contact
 
   FiniteElement & NodalTraceBasis :: GetFE (size_t element, Allocator & alloc) const
   {
-    return MakeElement(element, spans.at(element), alloc, [&] (const Span & span) -> TraceElement &
+    return MakeElement(element, spans.at(element), alloc, [&] (const Span & span) -> TraceElement<2> &
     {
       size_t crack = arms[span.arm].crack;
       return *new (alloc) NodalTraceElement (body->Cracks()[crack], FlatArray<const double>(span.hi-span.lo+1, division->All()[crack].data()+span.lo),
@@ -343,7 +306,7 @@ namespace ngsxfem_contact
     ArrayMem<DofId, 50> dofs;
     scalar->GetDofNrs(ElementId(VOL, element), dofs);
     auto & fe = static_cast<BaseScalarFiniteElement&>(scalar->GetFE(ElementId(VOL, element), alloc));
-    return MakeElement(element, ArmsIn(element), alloc, [&] (const Span & span) -> TraceElement &
+    return MakeElement(element, ArmsIn(element), alloc, [&] (const Span & span) -> TraceElement<2> &
     {
       int n = 0, * local = static_cast<int*>(alloc.Alloc(dofs.Size()*sizeof(int)));
       for (size_t i = 0; i < dofs.Size(); i++)
@@ -356,7 +319,7 @@ namespace ngsxfem_contact
     : FESpace(abody->GetMesh(), Flags(flags).SetFlag("autoupdate", false)), body(abody), basis(abasis), rules(RulesOf(abody, {}))
   {
     type = "tracespace";
-    evaluator[VOL] = make_shared<TraceDiffOp>();
+    evaluator[VOL] = make_shared<TraceOperator<2>>();
   }
 
   CutDifferentialSymbol TraceSpace :: CrackSymbol () const

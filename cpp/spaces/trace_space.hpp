@@ -4,6 +4,7 @@
 
 #include "forms/cut_integral.hpp"
 #include "spaces/curve_nodes.hpp"
+#include "spaces/trace_operator.hpp"
 
 namespace ngsxfem_contact
 {
@@ -11,15 +12,6 @@ namespace ngsxfem_contact
 
   /// The arc lengths at which a crack meets mesh edges, and of its ends; for order ≥ 1 those of its kinks, too.
   std::vector<double> MeshNodes (const CrackedMesh & body, size_t crack, bool kinks);
-
-  /// A function on T∩Γ_C. Shapes depend on the physical point only.
-  class TraceElement : public FiniteElement
-  {
-  public:
-    using FiniteElement::FiniteElement;
-    ngfem::ELEMENT_TYPE ElementType() const override { return ngfem::ET_TRIG; }
-    virtual void CalcShape (const ngfem::IntegrationPoint & ip, Point x, ngbla::BareSliceVector<> shape) const = 0;
-  };
 
   /// A part of a crack between two places at which it meets others, or ends: its first interval, and the one behind its last.
   struct Arm { size_t crack, lo, hi; };

@@ -77,6 +77,8 @@ class CondensedProblem(AssembledProblem):
         if not is_available():
             raise ImportError(f"inverse={CG!r} needs pyamg: {REMEDY}")
         self.exchange.Refuse(f"inverse={CG!r}")
+        if problem.W.order:
+            raise NotCondensed(f"multipliers of order {problem.W.order} are not eliminated node by node; take TraceSpace(body, order=0), or leave inverse= out")
         if problem.body.cracks and not problem.stabilisation.IsSafe(problem.V, problem.material, problem.law.components):
             raise NotCondensed(
                 f"{problem.stabilisation}: γ is not proved to be small enough, and conjugate gradients cannot tell; take BarbosaHughes(), which chooses γ itself"

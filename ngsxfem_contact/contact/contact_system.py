@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from scipy.sparse import csr_matrix
 
+    from .._ngsxfem_contact import CutDifferentialSymbol
     from ..loads.load import LoadTerms
     from ..operators import Component
     from ..protocols import Cone, Nodes
@@ -66,12 +67,20 @@ class ContactSystem:
         self.problem, self.components = problem, problem.law.components
         self.exchange = exchange_of(problem.V)
         self.dcrack = problem.W.dcrack(space=problem.V)  # one rule for K_γ, C_γ and D_γ
+        self.dcrack_stress, self.dcrack_products = self._equal_orders(problem)
         self.numbers = np.flatnonzero(mask(problem.body.CrackElements(None)))
         self.traction, self.gamma = problem.ComparedTraction(), problem.Gamma()
         self._assemble(problem)
         self._x, self._y = self.stiffness.CreateColVector(), self.stiffness.CreateColVector()
         self.G = np.zeros(self.E.shape[0])
         self.G[: len(self.nodes)] = self.InitialGap(problem)
+
+    def _equal_orders(self, problem: ContactProblem) -> tuple[CutDifferentialSymbol, CutDifferentialSymbol]:
+        """The measures of ∫γψR_h and of ∫γψψ, ∫ψg_0: with functions that have kinks inside the triangles of rules all orders are that of ∫ψg, so that what cancels does so point by point."""
+        V, W = problem.V, problem.W
+        if not getattr(W, "has_kinks", False):
+            return self.dcrack, self.dcrack
+        return W.dcrack(space=V, bonus_intorder=1), W.dcrack(space=V, bonus_intorder=V.order - W.order)
 
     def _assemble(self, problem: ContactProblem) -> None:
         """nodes, stiffness, E, D."""
@@ -82,7 +91,7 @@ class ContactSystem:
         mass = scipy.sparse.csr_matrix((W.ndof, W.ndof))
         if self.gamma is not None:
             stiffness += V.share.Own(-self.gamma * self.traction.Squared(u, v, self.components) * self.dcrack)
-            mass = assembled(BilinearForm(self.gamma * lam * mu * self.dcrack), self.numbers)
+            mass = assembled(BilinearForm(self.gamma * lam * mu * self.dcrack_products), self.numbers)
         self.nodes, self.stiffness = trace_nodes(W), stiffness.Assemble().mat
         self.E = scipy.sparse.vstack([self._coupling(problem, component) for component in self.components], format="csr")
         self.D = scipy.sparse.block_diag([mass] * len(self.components), format="csr")
@@ -94,7 +103,7 @@ class ContactSystem:
         coupling = BilinearForm(trialspace=V, testspace=W)
         coupling += -mu * component.jump(u, problem.body) * self.dcrack
         if self.gamma is not None:
-            coupling += -self.gamma * mu * self.traction.Summed(u, component) * self.dcrack
+            coupling += -self.gamma * mu * self.traction.Summed(u, component) * self.dcrack_stress
         return assembled(coupling, self.numbers)
 
     def CheckCone(self, cone: Cone) -> None:
@@ -105,7 +114,7 @@ class ContactSystem:
         if isinstance(problem.gap, Parameter) and problem.gap.Get() == 0:
             return np.zeros(problem.W.ndof)
         mu = problem.W.TestFunction()
-        return LinearForm(problem.gap * mu * self.dcrack).Assemble().vec.FV().NumPy()
+        return LinearForm(problem.gap * mu * self.dcrack_products).Assemble().vec.FV().NumPy()
 
     def Given(self, load: LoadTerms) -> GivenTraction:
         """The GivenTraction of LoadTerms: zero where nothing is given on the faces, and without γ."""
@@ -123,7 +132,7 @@ class ContactSystem:
     def _given_moments(self, component: Component, shift: Callable[..., Any]) -> np.ndarray:
         """∫γ r_0 ψ_i of one component."""
         mu = self.problem.W.TestFunction()
-        return LinearForm(self.gamma * self.traction.Given(component, shift) * mu * self.dcrack).Assemble().vec.FV().NumPy().copy()
+        return LinearForm(self.gamma * self.traction.Given(component, shift) * mu * self.dcrack_products).Assemble().vec.FV().NumPy().copy()
 
     def Function(self, problem: ContactProblem, values: np.ndarray, name: str) -> GridFunction:
         """The GridFunction of W for one component of L."""

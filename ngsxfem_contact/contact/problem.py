@@ -19,6 +19,7 @@ from ..operators import NORMAL, Gradient, Minus, OutwardNormal, Plus
 from ..protocols import FaceLaw, LawAtNodes, Stabilisation, check_role
 from ..spaces.crack_fespace import decide
 from ..spaces.incompressible import is_projected, projection_degree, warn_of_locking
+from ..spaces.linear_sheet_trace_space import LinearSheetTraceSpace
 from ..spaces.sheet_trace_space import SheetTraceSpace
 from .cones import CONES
 from .contact_system import ContactSystem
@@ -112,7 +113,7 @@ class ContactProblem(Described):
         friction: FaceLaw | None = None,
     ) -> None:
         check_type(V, core.CrackFESpace | core.SolidFESpace, "ContactProblem: V", "a CrackFESpace")
-        check_type(W, core.TraceSpace | SheetTraceSpace, "ContactProblem: W", "a TraceSpace")
+        check_type(W, core.TraceSpace | SheetTraceSpace | LinearSheetTraceSpace, "ContactProblem: W", "a TraceSpace")
         if V.body is not W.body:
             raise ValueError("ContactProblem: V and W belong to different CrackedMesh objects; build both on one body")
         if cone not in list(CONES):

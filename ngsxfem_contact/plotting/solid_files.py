@@ -72,7 +72,7 @@ def sheet_data(solution: Any) -> Grid:
     first = 0
     for crack in range(len(body.cracks)):
         trace, profile = SheetTrace(body, crack), solution.Profile(crack)
-        sheet, row = body.cracks[crack], {int(element): i for i, element in enumerate(profile.element)}
+        sheet = body.cracks[crack]
         inside = np.flatnonzero(trace.inside)
         loops = [trace.loops[k] for k in inside]
         at = trace.places[np.concatenate(loops)]
@@ -80,7 +80,7 @@ def sheet_data(solution: Any) -> Grid:
         points = mesh_points(body.mesh, elements, *reference_coordinates(body.mesh, elements, at).T)
         values = [np.reshape(f(points), (len(at), 3)) for f in (Plus(u), Minus(u), Jump(u))]
         of_points.append(dict(zip(("displacement_plus", "displacement_minus", "jump"), values)))
-        rows = profile[[row[int(element)] for element in trace.element[inside]]]
+        rows = profile.RowsOf(trace.element[inside])
         axes = np.array([sheet.FrameAt(*p)[1:] for p in zip(rows.p_1, rows.p_2)])
         tangential = lambda name, rows=rows, axes=axes: rows[f"{name}_1"][:, None] * axes[:, 0] + rows[f"{name}_2"][:, None] * axes[:, 1]
         states = np.array([STATES[state] for state in rows.state])

@@ -223,8 +223,7 @@ def profile_plot_of_solid(body: CrackedSolid, solution: Any, crack: int | str, a
     """See plot_profile."""
     number = crack_number(crack, body)
     trace, profile = SheetTrace(body, number), solution.Profile(number)
-    row = {int(element): i for i, element in enumerate(profile.element)}
-    rows = profile[[row[int(element)] for element in trace.element[trace.inside]]]
+    rows = profile.RowsOf(trace.element[trace.inside])
     return sheet_axes(trace, ax, [(PROFILES[quantity][0], np.asarray(COLUMNS[quantity](rows))) for quantity in quantities], solution.Transitions(number))
 
 

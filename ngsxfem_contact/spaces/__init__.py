@@ -3,6 +3,7 @@
 from .._ngsxfem_contact import CrackBilinearForm
 from .crack_fespace import CrackFESpace, TipEnrichment
 from .interpolation import Interpolant, Projection
+from .linear_sheet_trace_space import LinearSheetTraceSpace
 from .sheet_trace_space import SheetTraceSpace
 from .solid_fespace import FrontEnrichment, SolidFESpace
 from .trace_space import TraceSpace
@@ -12,6 +13,7 @@ __all__ = [
     "CrackFESpace",
     "FrontEnrichment",
     "Interpolant",
+    "LinearSheetTraceSpace",
     "Projection",
     "SheetTraceSpace",
     "SolidFESpace",

@@ -6,20 +6,29 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import L2, CoefficientFunction, Compress
+import scipy
+from ngsolve import L2, BitArray, CoefficientFunction, Compress
 
 from .. import _ngsxfem_contact as core
-from ..algebra.matrices import mask
 from ..arguments import check_type
 from ..description import Described, numbered
 from ..points import mesh_points, place
 from .nodes import OwnCoefficients
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
     from .._ngsxfem_contact import CrackedSolid, CutDifferentialSymbol
     from ..description import Lines
 
 MEANS = 5  # the order of the rules for means of functions
+LEAST_AREA = 1e-15  # of S in an element with a multiplier, relative to the square of its longest edge: less is round-off, where a front runs along a face
+
+
+def carrying_elements(body: CrackedSolid) -> np.ndarray:
+    """The numbers of the elements that hold more of the sheets than round-off, increasing."""
+    cells = (cell for crack in range(len(body.cracks)) for cell in body.Elements(crack))
+    return np.array(sorted(cell.element for cell in cells if body.FacetArea(cell.element) > LEAST_AREA * cell.h**2), dtype=int)
 
 
 class SheetTraceSpace(Described, Compress):
@@ -29,22 +38,22 @@ class SheetTraceSpace(Described, Compress):
     ----------
     body : CrackedSolid
         What CrackedMesh(mesh, sheet, ...) gives.
-    order : int
-        0: there are no others in space.
 
     Raises
     ------
-    TypeError, ValueError
-        For another body and another order.
+    TypeError
+        For another body.
     """
 
     order = 0
 
-    def __init__(self, body: CrackedSolid, order: int = 0) -> None:
+    def __init__(self, body: CrackedSolid) -> None:
         check_type(body, core.CrackedSolid, "TraceSpace: body", "a CrackedMesh of a mesh in space")
-        if order != 0:
-            raise ValueError(f"TraceSpace: order={order!r} is not there for bodies in space; take 0, one constant for each element that a sheet cuts")
-        super().__init__(L2(body.mesh, order=0), active_dofs=body.CrackElements(None))
+        active = BitArray(body.mesh.ne)
+        active.Clear()
+        for element in carrying_elements(body):
+            active.Set(int(element))
+        super().__init__(L2(body.mesh, order=0), active_dofs=active)
         self.body = body
 
     def __reduce__(self) -> Any:
@@ -78,9 +87,11 @@ class SheetNodes(OwnCoefficients):
 
     def __init__(self, W: SheetTraceSpace) -> None:
         self.W, self.body = W, W.body
-        self.elements = np.flatnonzero(mask(W.body.CrackElements(None)))
+        self.elements = carrying_elements(W.body)
         self.cracks = np.array([W.body.CracksOf(int(element))[0] for element in self.elements], dtype=int)
-        element, xi, eta, zeta, weights, *places = W.dcrack.Points(MEANS)
+        found = W.dcrack.Points(MEANS)
+        here = np.isin(found[0], self.elements)
+        element, xi, eta, zeta, weights, *places = (np.asarray(values)[here] for values in found)
         number = np.asarray(np.searchsorted(self.elements, element))
         self._points, self._parts = mesh_points(W.mesh, element, xi, eta, zeta), weights / self._sums(number, weights)[number]
         self._number = number
@@ -106,6 +117,11 @@ class SheetNodes(OwnCoefficients):
                 beside = {other.nr for face in element.faces for other in self.W.mesh[face].elements}
                 pairs |= {(i, at[other]) for other in beside if at.get(other, -1) > i and self.cracks[at[other]] == self.cracks[i]}
         return np.array(sorted(pairs), dtype=int).reshape(-1, 2)
+
+    @property
+    def polygons(self) -> tuple[SheetNodes, csr_matrix]:
+        """Themselves, and the mean of each function on each polygon."""
+        return self, scipy.sparse.identity(len(self), format="csr")
 
     @cached_property
     def points(self) -> np.ndarray:

@@ -16,13 +16,14 @@ from ..arguments import check_whole
 from ..description import Described, numbered
 from ..share import share_in
 from ..sheets import check_plane_body
+from .linear_sheet_trace_space import LinearSheetNodes, LinearSheetTraceSpace
 from .nodes import CurveNodes
 from .sheet_trace_space import SheetNodes, SheetTraceSpace
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackedMesh
+    from .._ngsxfem_contact import CrackedMesh, CrackedSolid
     from ..description import Lines
 
 
@@ -32,9 +33,10 @@ class TraceSpace(Described, core.TraceSpace):
     Parameters
     ----------
     body : CrackedMesh
-        The body of the cracks. Of a mesh in space gives a SheetTraceSpace.
+        The body of the cracks. Of a mesh in space gives a SheetTraceSpace, one constant for each element that a sheet cuts (order 0, the default there), or a
+        LinearSheetTraceSpace (order 1).
     order : int
-        Of the functions, 0 or more.
+        Of the functions, 0 or more; in space 0 or 1.
     basis : "nodal" or "trace"
         "nodal" (default): Lagrange functions between the points where the crack meets mesh edges, its kinks and ends; a nodal sign is a pointwise sign
         for order 1. "trace": restrictions of mesh functions, redundant ones removed in the paper's two steps.
@@ -74,9 +76,9 @@ class TraceSpace(Described, core.TraceSpace):
 
     @wraps(__init__, assigned=(), updated=())  # type: ignore[misc]  # the signature is that of __init__
     def __new__(cls, *arguments: Any, **named: Any) -> Any:
-        """The SheetTraceSpace of a body in space, with its arguments."""
+        """Of a body in space its own space of multipliers."""
         body = arguments[0] if arguments else named.get("body")
-        return SheetTraceSpace(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
+        return on_sheets(*arguments, **named) if isinstance(body, core.CrackedSolid) else super().__new__(cls)
 
     @property
     def nodes(self) -> TraceNodes:
@@ -92,6 +94,15 @@ class TraceSpace(Described, core.TraceSpace):
         """For each crack the arc lengths of the nodes."""
         nodes = self.basis.Nodes()
         return [nodes.arclengths[nodes.cracks == c] for c in range(len(self.body.cracks))]
+
+
+def on_sheets(body: CrackedSolid, order: int = 0) -> SheetTraceSpace | LinearSheetTraceSpace:
+    """The multipliers of a body in space. Raises ValueError for an order other than 0 and 1."""
+    if order == 0:
+        return SheetTraceSpace(body)
+    if order == 1:
+        return LinearSheetTraceSpace(body)
+    raise ValueError(f"TraceSpace: order={order!r} is not there for bodies in space; take 0, one constant for each element that a sheet cuts, or 1")
 
 
 class TraceNodes(CurveNodes):
@@ -131,12 +142,13 @@ class TraceNodes(CurveNodes):
 
 
 @singledispatch
-def trace_nodes(W: core.TraceSpace) -> TraceNodes | SheetNodes:
+def trace_nodes(W: core.TraceSpace) -> TraceNodes | SheetNodes | LinearSheetNodes:
     """Where the signs of the functions of a space of multipliers are taken."""
     return TraceNodes(W)
 
 
 trace_nodes.register(SheetTraceSpace, SheetNodes)
+trace_nodes.register(LinearSheetTraceSpace, LinearSheetNodes)
 
 
 def mass_matrix(W: TraceSpace) -> csr_matrix:

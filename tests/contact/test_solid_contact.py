@@ -248,7 +248,7 @@ def test_what_is_not_there_in_space():
     v, refusals = (
         V.TestFunction(),
         [
-            (lambda: TraceSpace(body, order=1), ValueError, "take 0, one constant for each element"),
+            (lambda: TraceSpace(body, order=2), ValueError, "take 0, one constant for each element"),
             (lambda: ContactProblem(V, W, stabilisation=Nitsche()), ValueError, "there for plane bodies only; take BarbosaHughes"),
             (lambda: ContactProblem(V, W, Elasticity.PlaneStrain(E=1, nu=0.3)), ValueError, "is another one than|is a material of the plane"),
             (lambda: ContactProblem(CrackFESpace(body, front=None), W, Elasticity.Solid(E=1, nu=0.49)), ValueError, "nearly incompressible"),
