@@ -46,7 +46,7 @@ class SheetProfile(Table):
     def RowsOf(self, elements: np.ndarray) -> SheetProfile:
         """The rows of elements of the mesh that carry the sheet; an element that holds no more than round-off of it has none, and gets the first."""
         row = {int(element): i for i, element in enumerate(self.element)}
-        return self[[row.get(int(element), 0) for element in elements]]
+        return cast("SheetProfile", self[[row.get(int(element), 0) for element in elements]])
 
 
 def sheet_profile(solution: ContactSolution, crack: int) -> SheetProfile:
