@@ -1,6 +1,6 @@
 """A + EᵀH E, the condensed form of a contact problem: a direct solver around the cracks, conjugate gradients with multigrid in the rest of the body.
 
-Section 19 of docs/method.md. Of the unknowns C are those around the cracks, all that a row of E has and all beside functions of the cracks among them, and o the others, which belong to functions of the
+Section 19 of docs/method.md. Of the unknowns C are those around the cracks, all that a row of E has among them, and o the others, which belong to functions of the
 uncracked body. C is eliminated, for each H by a sparse factorisation of its block M, so that conjugate gradients see
 
     A_oo - A_oC M⁻¹ A_Co    on o,
@@ -73,8 +73,11 @@ class CondensedMatrix:
         self.A = A
         around = np.ones(A.shape[0], dtype=bool)
         around[nodes.ravel()] = False
-        around[np.unique(A[around & free].indices)] = True
-        around[np.unique(E.indices)] = True
+        of_faces = np.zeros(A.shape[0], dtype=bool)
+        of_faces[E.indices] = True
+        beside = A[around & free & ~of_faces].indices  # of functions of the cracks that reach beyond the elements of E, as modes of a whole radius do
+        around[beside] = True
+        around |= of_faces
         self.crack = np.flatnonzero(around & free)
         whole = free[nodes].any(axis=1)  # nodes without a free component are left out
         self.body, held = nodes[whole].ravel(), ~free[nodes[whole]].ravel()

@@ -119,7 +119,7 @@ def test_the_iterations_hardly_grow():
 
 
 def test_modes_far_from_the_sheet_do_not_cost_iterations():
-    """Modes of nodes whose elements no sheet meets are nearly polynomials there: both are in the direct solver. 12; with the modes alone in it 64."""
+    """Modes of nodes whose elements no sheet meets are nearly polynomials there: both are in the direct solver. 13; with the modes alone in it 64."""
     form = closed_penny(MATERIAL, RADIUS, 1.0, 0.8).At(CENTRE)
     (count,) = problem_of(form, 0.11, radius=0.2).Solve(inverse="cg").report.linear_iterations
     assert count <= 16
