@@ -191,6 +191,8 @@ class Refinement:
 
     def __post_init__(self) -> None:
         check_type(self.first, Mesh, "SolveAdaptive: mesh", "an NGSolve Mesh")
+        if self.first.dim != 2:
+            raise ValueError("SolveAdaptive: the mesh is not plane, and there is no estimate of errors in space yet; compare two meshes, or orders 1 and 2")
         if not callable(self.make_problem):
             raise TypeError(f"SolveAdaptive: make_problem={self.make_problem!r} is not a function of a mesh that returns a ContactProblem")
         if self.goal is not None:

@@ -43,7 +43,9 @@ mesh_of = cache(cube_mesh)
 def problem_of(form, maxh=0.16, sheet=DISK, order=1, dirichlet="outer", rollers=(), radius=0.0, **arguments):
     body = CrackedMesh(mesh_of(maxh), sheet)
     front = FrontEnrichment(radius=radius)
-    problem = ContactProblem(CrackFESpace(body, order=order, dirichlet=dirichlet, material=MATERIAL, front=front, **dict(rollers)), TraceSpace(body), **arguments)
+    problem = ContactProblem(
+        CrackFESpace(body, order=order, dirichlet=dirichlet, material=MATERIAL, front=front, **dict(rollers)), TraceSpace(body), **arguments
+    )
     if form is not None:
         problem.SetDirichlet(form.u, "outer")
     return problem

@@ -194,3 +194,6 @@ def test_what_is_refused():
     for order in (2, -1, 0.5):
         with pytest.raises(ValueError, match="is not there for bodies in space"):
             TraceSpace(problem.body, order=order)
+    for arguments in ({"basis": "trace"}, {"nodes": [[0, 1]]}):
+        with pytest.raises(ValueError, match="the mesh gives the nodes"):
+            TraceSpace(problem.body, **arguments)

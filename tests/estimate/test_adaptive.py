@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from helpers import MATERIAL, rectangle
+from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry, unit_square
 from ngsolve import CF, Integrate, Mesh, dx
 
@@ -127,6 +128,8 @@ def test_what_ends_it():
             SolveAdaptive(make_problem, mesh, **arguments)
     with pytest.raises(ValueError, match="of my own"):
         SolveAdaptive(refusing, mesh)
+    with pytest.raises(ValueError, match="no estimate of errors in space"):
+        SolveAdaptive(make_problem, Mesh(unit_cube.GenerateMesh(maxh=0.9)))
     with pytest.raises(TypeError, match="not a function of a mesh"):
         SolveAdaptive(None, mesh)
     with pytest.raises(TypeError, match="must return a ContactProblem"):
