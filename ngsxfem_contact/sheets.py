@@ -35,7 +35,7 @@ def checked_direction(vector: Vector, name: str) -> np.ndarray:
     array = checked_vector(vector, name)
     if not np.abs(array).max() > 0:
         raise ValueError(f"{name}={tuple(array.tolist())} is zero and has no direction")
-    array /= np.abs(array).max()  # squares of its components neither overflow nor vanish
+    array = array / np.abs(array).max()  # squares of its components neither overflow nor vanish
     return array / np.linalg.norm(array)
 
 
@@ -215,8 +215,6 @@ def heights_over(sheet: Sheet, points: np.ndarray) -> np.ndarray:
 def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
     """The CrackedSolid of a mesh in space; None for a plane one. Raises TypeError for cracks of the other dimension, and for several processes."""
     if not isinstance(mesh, Mesh):
-        if cracks:
-            raise TypeError(f"CrackedMesh: mesh={mesh!r} is not a Mesh of NGSolve; a mesh of Netgen becomes one by Mesh(ngmesh)")
         return None
     if mesh.dim != 3:
         if any(isinstance(crack, Sheet) for crack in cracks):

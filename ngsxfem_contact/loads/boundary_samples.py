@@ -196,7 +196,8 @@ class SurfaceSamples(BoundarySamples):
 
     def Normal(self, mouth: int) -> tuple[float, ...]:
         """n of the sheet."""
-        return self.body.cracks[self.mouths[mouth][0]].normal
+        sheet = self.body.cracks[self.mouths[mouth][0]]
+        return sheet.normal if sheet.planar else sheet.FrameAt(*sheet.Flat(self.Place(mouth))[:2])[0]
 
     def Place(self, mouth: int) -> tuple[float, ...]:
         """The middle of the piece."""

@@ -124,3 +124,9 @@ def test_a_mesh_that_changed_is_refused():
     mesh.Refine()
     with pytest.raises(Exception, match="refined"):
         body.dx.Points(2)
+
+
+def test_what_is_given_stays_as_it_is():
+    normal = np.array([0.2, -0.1, 1.0])
+    Sheet.Disk((0.5, 0.5, 0.5), normal, 0.3)
+    assert normal.tolist() == [0.2, -0.1, 1.0]
