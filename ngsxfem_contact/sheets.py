@@ -152,7 +152,7 @@ def polygon(points: Vectors) -> Sheet:
     heights = (corners - origin) @ normal
     if (worst := int(np.argmax(np.abs(heights)))) >= 0 and abs(heights[worst]) > 1e-9 * size:
         raise ValueError(
-            f"Sheet.Polygon: point {worst}, {tuple(corners[worst].tolist())}, lies {abs(heights[worst]):.3g} beside the plane of the others; only planar sheets are cut so far"
+            f"Sheet.Polygon: point {worst}, {tuple(corners[worst].tolist())}, lies {abs(heights[worst]):.3g} beside the plane of the others; a curved sheet is Sheet.Extrude or Sheet.FromTriangles"
         )
     axes = plane_axes(normal)
     plane = (corners - origin) @ np.array(axes).T

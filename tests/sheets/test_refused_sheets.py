@@ -30,7 +30,7 @@ CIRCLE = DISK.loops[0]
         (lambda: Sheet.Ellipse((0, 0, 0), (1, 0, 0), (0, 3e-3, 0)), ValueError, "ratio below 300"),
         (lambda: Sheet.Polygon([(0, 0, 0), (1, 0, 0)]), ValueError, "three or more"),
         (lambda: Sheet.Polygon([(0, 0, 0), (1, 0, 0), (2, 0, 0)]), ValueError, "on a line"),
-        (lambda: Sheet.Polygon([(0, 0, 0), (1, 0, 0), (1, 1, 0.1), (0, 1, 0)]), ValueError, "only planar sheets"),
+        (lambda: Sheet.Polygon([(0, 0, 0), (1, 0, 0), (1, 1, 0.1), (0, 1, 0)]), ValueError, "a curved sheet is Sheet.Extrude"),
         (lambda: Sheet.Polygon([(0, 0, 0), (2, 2, 0), (2, 0, 0), (0.5, 1, 0)]), Exception, "meet near"),
         (lambda: Sheet([Crack([(0, 0), (1, 0), (1, 1)])]), Exception, "closed curves"),
         (lambda: Sheet([]), Exception, "give the closed curve"),
