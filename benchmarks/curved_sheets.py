@@ -22,9 +22,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "sheets")]
 from exact_sheets import cube_mesh  # noqa: E402
 from test_curved_sheets import volume_above  # noqa: E402
 
-from ngsxfem_contact import ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, TraceSpace  # noqa: E402
+from ngsxfem_contact import Coulomb, Crack, CrackedMesh  # noqa: E402
 from ngsxfem_contact.geometry import Sheet  # noqa: E402
-from tests.contact.test_curved_contact import ARC, MATERIAL, MOUTHED, plane_solution, pressed, quantities, slab, solid_solution  # noqa: E402
+from tests.contact.test_curved_contact import ARC, open_arc, plane_solution, pressed, quantities, solid_solution  # noqa: E402
 from tests.sheets.curved_surfaces import ABOVE, AREA, THROUGH  # noqa: E402
 
 THICKNESS = 0.15
@@ -58,16 +58,13 @@ def contact(_):
 
 def factors(_):
     print(f"{'maxh':>6}{'N':>8}{'nodes':>7}{'K_I':>8}{'K_II':>8}{'at ends':>9}{'':>8}   percent of K_I")
-    exact, u = np.array(ARC.StressIntensity(1)), ARC.Solution().u
+    exact = np.array(ARC.StressIntensity(1))
     for maxh in (0.16, 0.12, 0.1, 0.08):
-        V = CrackFESpace(body := CrackedMesh(slab(maxh), MOUTHED), order=2, dirichlet="outer", dirichletz="end", material=MATERIAL)
-        problem = ContactProblem(V, TraceSpace(body))
-        problem.SetDirichlet((*u, 0), "outer")
-        problem.SetDirichlet((None, None, 0), "end")
-        found = problem.Solve().StressIntensity()
+        solution = open_arc(maxh)
+        found = solution.StressIntensity()
         off = 100 * np.abs(np.column_stack([found.K_I, found.K_II]) - exact) / exact[0]
         inside, ends = off[1:-1].max(axis=0), off[[0, -1]].max(axis=0)
-        print(f"{maxh:6.2f}{V.ndof:8}{len(found.s):7}{inside[0]:8.2f}{inside[1]:8.2f}{ends[0]:9.2f}{ends[1]:8.2f}", flush=True)
+        print(f"{maxh:6.2f}{solution.problem.V.ndof:8}{len(found.s):7}{inside[0]:8.2f}{inside[1]:8.2f}{ends[0]:9.2f}{ends[1]:8.2f}", flush=True)
 
 
 def pressure(realisations):

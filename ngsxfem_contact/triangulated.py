@@ -188,12 +188,7 @@ def fitted(flat: np.ndarray, heights: np.ndarray, edge: float, points: np.ndarra
 
 def splines(at: np.ndarray, low: float, spacing: float, intervals: int) -> "scipy.sparse.csr_matrix":
     """(n, intervals + 3): values of the B-splines."""
-    x = (at - low) / spacing
-    first = np.clip(np.floor(x).astype(int), 0, intervals - 1)
-    t = x - first
-    values = np.stack([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, 3 * (1 - t) ** 3 - 6 * (1 - t) ** 2 + 4, t**3], axis=1) / 6
-    columns = first[:, None] + np.arange(4)
-    return scipy.sparse.csr_matrix((values.ravel(), (np.repeat(np.arange(len(at)), 4), columns.ravel())), shape=(len(at), intervals + 3))
+    return scipy.sparse.csr_matrix(scipy.interpolate.BSpline.design_matrix(at, low + spacing * np.arange(-3, intervals + 4), 3))
 
 
 def from_stl(path: str | Path) -> Sheet:

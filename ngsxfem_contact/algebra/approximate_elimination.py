@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import NotCoercive, NotConverged
-from .condensed_newton import NOT_POSITIVE
+from .conjugate_gradients import ACCURACY
 from .elimination import CG, ReducedVector
 from .matrices import csr_view
 from .symmetric_system import SymmetricSystem
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
     from ..processes import Exchange
     from .aggregates import Vertices
 
-ACCURACY = 1e-11  # of a displacement, in the energy norm
-MOST = 500  # steps of conjugate gradients for one right-hand side
 KNOWN = 1e-3  # of d·S d: S is known well enough in a direction d in which it lacks less
 
 
@@ -83,15 +80,8 @@ class ApproximateElimination(SymmetricSystem):
         """
         x, found = self.preconditioner.Begin(rhs)
         energy = self.preconditioner.Dot(rhs, x)
-        while found.size > max(accuracy * np.sqrt(max(energy + sum(found.gains), 0)), enough) or not found.positive:
-            if not found.positive:
-                raise NotCoercive(f"conjugate gradients met a displacement of negative energy: {NOT_POSITIVE}")
-            found.Step()
-            if len(found.gains) >= MOST:
-                raise NotConverged(
-                    f"conjugate gradients left {found.size:.1e} in the energy norm of {np.sqrt(max(energy, 0)):.1e} after {MOST} steps: look for flat elements, or "
-                    "moduli that differ by many orders of magnitude; a direct solver, without inverse=, does not mind"
-                )
+        reached = lambda: max(accuracy * np.sqrt(max(energy + sum(found.gains), 0)), enough)
+        found.Reach(reached, "a direct solver, without inverse=, does not mind")
         self.iterations.append(len(found.gains))
         return self.exchange.Cumulated(self.exchange.Additive(x + found.x))  # to the last bit
 

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import la
 
 from .. import _ngsxfem_contact as core
+from .matrices import from_scipy
 from .multigrid import Multigrid
 
 if TYPE_CHECKING:
@@ -37,8 +37,7 @@ class SparseFactors:
         self.positive, self.size = True, A.shape[0]
         if not self.size:
             return
-        A = A.tocoo()
-        matrix = la.SparseMatrixd.CreateFromCOO(A.row.astype(np.int32), A.col.astype(np.int32), A.data, *A.shape)
+        matrix = from_scipy(A)
         self.factors = matrix.Inverse(inverse="sparsecholesky")
         self.x, self.r = matrix.CreateColVector(), matrix.CreateColVector()
         self.positive = core.NumNegativePivots(self.factors) == 0

@@ -7,8 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import NotCoercive, NotConverged
+
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+ACCURACY = 1e-11  # of a displacement, in the energy norm
+MOST = 500  # steps for one right-hand side
+NOT_POSITIVE = "K - K_γ is not positive definite: look for terms of problem.a with negative stiffness, or take BarbosaHughes(), which chooses γ itself"
 
 
 @dataclass
@@ -84,6 +90,28 @@ class ConjugateGradients:
         self.rz, before = float(self.dot(self.r, z)), self.rz
         self.positive = self.positive and curvature > 0 and self.rz >= 0
         self.p = z + self.rz / before * self.p
+
+    def Reach(self, size: Callable[[], float], remedy: str) -> int:
+        """Steps until the residual is as small as a number, which may change with them; returns how many.
+
+        Raises
+        ------
+        NotCoercive
+            Where A is not positive definite in a direction that is met.
+        NotConverged
+            After MOST steps altogether, with the remedy.
+        """
+        before = len(self.gains)
+        while self.size > size() or not self.positive:
+            if not self.positive:
+                raise NotCoercive(f"conjugate gradients met a displacement of negative energy: {NOT_POSITIVE}")
+            self.Step()
+            if len(self.gains) >= MOST:
+                raise NotConverged(
+                    f"conjugate gradients left {self.size:.1e} in the energy norm, which should be {size():.1e}, after {MOST} steps: look for flat elements, or "
+                    f"moduli that differ by many orders of magnitude; {remedy}"
+                )
+        return len(self.gains) - before
 
 
 def conjugate_gradients(A: Callable[[np.ndarray], np.ndarray], M: Callable[[np.ndarray], np.ndarray], r: np.ndarray, accuracy: float, most: int) -> Found:

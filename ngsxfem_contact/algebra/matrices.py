@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import CreateVVector, Projector
+from ngsolve import CreateVVector, Projector, la
 
 from .. import _ngsxfem_contact as core
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
+    from typing import Any, TypeAlias
 
     from ngsolve import BaseMatrix, BilinearForm, BitArray
     from scipy.sparse import csc_matrix, csr_matrix
@@ -31,6 +31,12 @@ def to_scipy(matrix: BaseMatrix) -> csr_matrix:
     """A matrix of NGSolve as a scipy matrix in CSR format."""
     values, columns, rows = matrix.CSR()
     return scipy.sparse.csr_matrix((np.array(values), np.array(columns), np.array(rows)), shape=(matrix.height, matrix.width))
+
+
+def from_scipy(matrix: Any) -> BaseMatrix:
+    """A sparse scipy matrix as one of NGSolve."""
+    matrix = matrix.tocoo()
+    return la.SparseMatrixd.CreateFromCOO(matrix.row.astype(np.int32), matrix.col.astype(np.int32), matrix.data, *matrix.shape)
 
 
 def csr_view(matrix: BaseMatrix) -> csr_matrix:

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import BitArray, la
+from ngsolve import BitArray
 
 from .aggregates import tentative
 from .conjugate_gradients import ConjugateGradients
 from .elimination import Elimination
+from .matrices import from_scipy
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -147,7 +148,7 @@ class TwoLevel:
         """X, and its factors; the last unknowns are its border."""
         self.X = scipy.sparse.hstack(parts).tocsr()
         self.transposed, self.size = self.X.T.tocsr(), self.X.shape[1]
-        matrix = self.exchange.Sum((self.transposed @ (self.A @ self.X)).tocsr()).tocoo()
+        matrix = self.exchange.Sum((self.transposed @ (self.A @ self.X)).tocsr())
         C = self.exchange.Sum((self.C @ self.X).tocsr())
         self.coarse = self.exchange.Together(lambda: factors_of(matrix, self.size - np.arange(border, 0, -1), C) if self.exchange.is_first else None)
         self.S = self.exchange.FromFirst(np.zeros(0) if self.coarse is None else self.coarse.S)
@@ -173,7 +174,7 @@ class TwoLevel:
         return x, ConjugateGradients(self.A.__matmul__, self.Apply, r - self.A @ x, self.Dot)
 
 
-def factors_of(matrix: scipy.sparse.coo_matrix, border: np.ndarray, C: csr_matrix) -> Elimination:
+def factors_of(matrix: csr_matrix, border: np.ndarray, C: csr_matrix) -> Elimination:
     """The Elimination of a scipy matrix."""
-    A = la.SparseMatrixd.CreateFromCOO(matrix.row.astype(np.int32), matrix.col.astype(np.int32), matrix.data, *matrix.shape)
+    A = from_scipy(matrix)
     return Elimination(A, BitArray([True] * A.height), border, C, "sparsecholesky")

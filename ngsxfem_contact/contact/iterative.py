@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..algebra.aggregates import Vertices
-from ..algebra.approximate_elimination import ACCURACY, ApproximateElimination
-from ..algebra.condensed_newton import NOT_POSITIVE
+from ..algebra.approximate_elimination import ApproximateElimination
+from ..algebra.conjugate_gradients import ACCURACY, NOT_POSITIVE
 from ..algebra.elimination import CG
 from ..algebra.matrices import added, product
 from ..algebra.multigrid import REMEDY, is_available
@@ -127,7 +127,8 @@ class IterativeProblem(ReducedProblem):
             w = self.system.Moments(U, L) - G
             options = replace(options, start=report.active[-1])
         rounds.Put(report)
-        report.uniqueness = report.uniqueness and None  # an approximate S proves nothing, a convex problem does
+        if report.uniqueness:  # an approximate S proves nothing; 0 is that of convex problems
+            report.uniqueness = None
         self.L, self.U = found.L, U - unloaded
         report.linear_iterations, self.elimination.iterations = self.elimination.iterations, []
         return IterativeSolution(case, found.faces, found.T, found.p, G, found.alpha, U)

@@ -197,7 +197,7 @@ class SurfaceSamples(BoundarySamples):
     def Normal(self, mouth: int) -> tuple[float, ...]:
         """n of the sheet."""
         sheet = self.body.cracks[self.mouths[mouth][0]]
-        return sheet.normal if sheet.planar else sheet.FrameAt(*sheet.Flat(self.Place(mouth))[:2])[0]
+        return sheet.FrameAt(*sheet.Flat(self.Place(mouth))[:2])[0]
 
     def Place(self, mouth: int) -> tuple[float, ...]:
         """The middle of the piece."""

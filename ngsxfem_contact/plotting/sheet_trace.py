@@ -191,7 +191,8 @@ class SheetTrace:
 
 def middle_normal(sheet: Sheet) -> np.ndarray:
     """The unit normal, of a curved sheet that at the middle of its outer curve."""
-    return np.array(sheet.normal if sheet.planar else sheet.FrameAt(*0.5 * (np.min(outline := sheet.loops[0].Outline(), axis=0) + np.max(outline, axis=0)))[0])
+    outline = sheet.loops[0].Outline()
+    return np.array(sheet.FrameAt(*0.5 * (np.min(outline, axis=0) + np.max(outline, axis=0)))[0])
 
 
 def in_order(cell: SheetCell, loops: Any) -> list[tuple[int, float, float]]:

@@ -154,7 +154,7 @@ def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float 
         axis.set_major_locator(plt.MaxNLocator(5 if part > 0.6 else 3))
     ax.figure.colorbar(plt.cm.ScalarMappable(norm, colour_map), ax=ax, label=label, extend="both", shrink=0.7, pad=0.08)
     if ax.get_legend_handles_labels()[0]:
-        ax.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, frameon=False)
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=2, frameon=False)
     ax.set_title(f"deformed body, displacement × {scale:g}")
     return ax
 

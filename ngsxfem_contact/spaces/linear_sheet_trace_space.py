@@ -11,20 +11,16 @@ from ngsolve import VOL, BilinearForm, CoefficientFunction, ElementId
 
 from .. import _ngsxfem_contact as core
 from ..algebra.matrices import assembled, to_scipy
-from ..arguments import check_type
-from ..description import Described, numbered
-from ..points import mesh_points, place, reference_coordinates
-from .nodes import OwnCoefficients
-from .sheet_trace_space import SheetNodes, SheetTraceSpace, carrying_elements
+from ..points import mesh_points, reference_coordinates
+from .sheet_trace_space import OnSheets, PointsOnSheets, SheetNodes, SheetTraceSpace, carrying_elements, check_solid
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-    from .._ngsxfem_contact import CrackedSolid, CutDifferentialSymbol
-    from ..description import Lines
+    from .._ngsxfem_contact import CrackedSolid
 
 
-class LinearSheetTraceSpace(Described, core.LinearSheetTraceSpace):
+class LinearSheetTraceSpace(OnSheets, core.LinearSheetTraceSpace):
     """W_h on the sheets of a body in space: functions that are linear on triangles of the polygons in which the sheets cut the elements.
 
     Nodes are the points in which the sheets cut edges of the mesh; there functions are continuous. In an element with a front they have at the corners of the polygon beyond it the value of
@@ -45,17 +41,8 @@ class LinearSheetTraceSpace(Described, core.LinearSheetTraceSpace):
     has_kinks = True  # inside the triangles of the rules, in elements with a front
 
     def __init__(self, body: CrackedSolid) -> None:
-        check_type(body, core.CrackedSolid, "TraceSpace: body", "a CrackedMesh of a mesh in space")
+        check_solid(body)
         super().__init__(body)
-
-    def Description(self) -> Lines:
-        """Order and unknowns."""
-        return [("order", "1"), ("unknowns", f"{self.ndof} on {numbered(len(self.body.cracks), 'sheet')}")]
-
-    @property
-    def dcrack(self) -> CutDifferentialSymbol:
-        """The measure on the sheets."""
-        return self.body.dcrack
 
     @property
     def nodes(self) -> LinearSheetNodes:
@@ -63,7 +50,7 @@ class LinearSheetTraceSpace(Described, core.LinearSheetTraceSpace):
         return LinearSheetNodes(self)
 
 
-class LinearSheetNodes(OwnCoefficients):
+class LinearSheetNodes(PointsOnSheets):
     """One node for each function of a LinearSheetTraceSpace, in their order.
 
     Attributes
@@ -112,17 +99,9 @@ class LinearSheetNodes(OwnCoefficients):
                         element[list(self.W.GetDofNrs(ElementId(VOL, cell.element)))] = cell.element
         return mesh_points(self.W.mesh, element, *reference_coordinates(self.W.mesh, element, self.positions).T)
 
-    def Values(self, function: CoefficientFunction) -> np.ndarray:
-        """Of a scalar CoefficientFunction, (n,), at the nodes."""
-        return function(self.points).ravel()
-
     def Means(self, function: CoefficientFunction) -> np.ndarray:
         """(n,): ∫ψ_i f / ∫ψ_i."""
         return self._moments(function) / self.weights
-
-    def Place(self, i: int) -> str:
-        """The point, and the sheet."""
-        return f"{place(self.positions[i])} of sheet {self.cracks[i]}"
 
     @cached_property
     def polygons(self) -> tuple[SheetNodes, csr_matrix]:

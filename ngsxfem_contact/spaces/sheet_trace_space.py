@@ -31,7 +31,29 @@ def carrying_elements(body: CrackedSolid) -> np.ndarray:
     return np.array(sorted(cell.element for cell in cells if body.FacetArea(cell.element) > LEAST_AREA * cell.h**2), dtype=int)
 
 
-class SheetTraceSpace(Described, Compress):
+class OnSheets(Described):
+    """What multipliers of all orders have on the sheets of a body in space."""
+
+    body: Any
+    order: int
+    ndof: int
+
+    def Description(self) -> Lines:
+        """Order and unknowns."""
+        return [("order", str(self.order)), ("unknowns", f"{self.ndof} on {numbered(len(self.body.cracks), 'sheet')}")]
+
+    @property
+    def dcrack(self) -> CutDifferentialSymbol:
+        """The measure on the sheets."""
+        return self.body.dcrack
+
+
+def check_solid(body: Any) -> None:
+    """Raises TypeError for what is no body in space."""
+    check_type(body, core.CrackedSolid, "TraceSpace: body", "a CrackedMesh of a mesh in space")
+
+
+class SheetTraceSpace(OnSheets, Compress):
     """W_h on the sheets of a body in space: constants on the polygons in which they cut the elements.
 
     Parameters
@@ -48,7 +70,7 @@ class SheetTraceSpace(Described, Compress):
     order = 0
 
     def __init__(self, body: CrackedSolid) -> None:
-        check_type(body, core.CrackedSolid, "TraceSpace: body", "a CrackedMesh of a mesh in space")
+        check_solid(body)
         active = BitArray(body.mesh.ne)
         active.Clear()
         for element in carrying_elements(body):
@@ -59,22 +81,29 @@ class SheetTraceSpace(Described, Compress):
     def __reduce__(self) -> Any:
         return SheetTraceSpace, (self.body,)
 
-    def Description(self) -> Lines:
-        """Order and unknowns."""
-        return [("order", "0"), ("unknowns", f"{self.ndof} on {numbered(len(self.body.cracks), 'sheet')}")]
-
-    @property
-    def dcrack(self) -> CutDifferentialSymbol:
-        """The measure on the sheets."""
-        return self.body.dcrack
-
     @property
     def nodes(self) -> SheetNodes:
         """Where signs are taken, the SheetNodes: the centroids of the polygons."""
         return SheetNodes(self)
 
 
-class SheetNodes(OwnCoefficients):
+class PointsOnSheets(OwnCoefficients):
+    """The part of nodes whose values are those at points of sheets: `points`, of NGSolve, and `positions`, (n, 3), on the sheets with numbers `cracks`, (n,)."""
+
+    points: Any
+    positions: Any
+    cracks: Any
+
+    def Values(self, function: CoefficientFunction) -> np.ndarray:
+        """Of a scalar CoefficientFunction, (n,), at the points."""
+        return function(self.points).ravel()
+
+    def Place(self, i: int) -> str:
+        """The point, and the sheet."""
+        return f"{place(self.positions[i])} of sheet {self.cracks[i]}"
+
+
+class SheetNodes(PointsOnSheets):
     """One node for each function of a SheetTraceSpace, in their order.
 
     Attributes
@@ -128,14 +157,6 @@ class SheetNodes(OwnCoefficients):
         """For NGSolve's functions."""
         return mesh_points(self.W.mesh, self.elements, *self._reference)
 
-    def Values(self, function: CoefficientFunction) -> np.ndarray:
-        """Of a scalar CoefficientFunction, (n,), at the centroids."""
-        return function(self.points).ravel()
-
     def Means(self, function: CoefficientFunction) -> np.ndarray:
         """(n,): ∫ψ_i f / ∫ψ_i."""
         return self._sums(self._number, self._parts * function(self._points).ravel())
-
-    def Place(self, i: int) -> str:
-        """The centroid, and the sheet."""
-        return f"{place(self.positions[i])} of sheet {self.cracks[i]}"

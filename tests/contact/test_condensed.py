@@ -20,7 +20,7 @@ from ngsxfem_contact import (
     TraceSpace,
     Tresca,
 )
-from ngsxfem_contact.algebra import condensed_newton, multigrid
+from ngsxfem_contact.algebra import conjugate_gradients, multigrid
 from ngsxfem_contact.contact import strategy
 from ngsxfem_contact.contact.condensed import CondensedProblem, NotCondensed
 from ngsxfem_contact.contact.solver import ReducedProblem
@@ -200,7 +200,7 @@ def test_refusals(monkeypatch):
     with pytest.raises(NotCondensed, match="held by the faces of cracks alone.* hold it by dirichlet"):
         lying().Solve(inverse="cg")
     problem = problem_of(form, 0.25)
-    monkeypatch.setattr(condensed_newton, "MOST", 3)
+    monkeypatch.setattr(conjugate_gradients, "MOST", 3)
     with pytest.raises(NotConverged, match="after 3 steps: look for flat elements"):
         problem.Solve(inverse="cg")
     with pytest.raises(NotConverged, match="still changed after 1 iterations"):

@@ -8,7 +8,7 @@ from netgen.geom2d import unit_square
 from ngsolve import CF, Mesh, x, y
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, Coulomb, Crack, CrackedMesh, CrackFESpace, Elasticity, LoadSteps, Nitsche, TraceSpace, Tresca
-from ngsxfem_contact.algebra import approximate_elimination, multigrid
+from ngsxfem_contact.algebra import conjugate_gradients, multigrid
 from ngsxfem_contact.contact import LinearCohesive, PathSteps, iterative
 from ngsxfem_contact.errors import NotCoercive, NotConverged
 
@@ -112,7 +112,7 @@ def test_what_does_not_converge_raises(monkeypatch):
     monkeypatch.setattr(iterative, "MOST_ROUNDS", 2)
     with pytest.raises(NotConverged, match="after 2 rounds of conjugate gradients"):
         problem(INCLINED).Solve(inverse="cg")
-    monkeypatch.setattr(approximate_elimination, "MOST", 3)
+    monkeypatch.setattr(conjugate_gradients, "MOST", 3)
     with pytest.raises(NotConverged, match="after 3 steps: look for flat elements"):
         problem(INCLINED).Solve(inverse="cg")
 
