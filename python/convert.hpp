@@ -20,10 +20,13 @@ namespace ngsxfem_contact
   inline std::array<Pair,3> ToPairs (const Triangle & t) { return { ToPair(t[0]), ToPair(t[1]), ToPair(t[2]) }; }
   inline Point ToPoint (Pair p) { return Point(p.first, p.second); }
 
-  inline Crack ToCrack (const std::vector<Pair> & pairs, const std::string & name)
+  /// Points of the plane, as an argument that says what it takes.
+  struct PlanePoints { std::vector<Pair> pairs; };
+
+  inline Crack ToCrack (const PlanePoints & given, const std::string & name)
   {
     std::vector<Point> points;
-    for (auto & p : pairs) points.push_back(ToPoint(p));
+    for (auto & p : given.pairs) points.push_back(ToPoint(p));
     return Crack(points).Named(name);
   }
 
@@ -68,3 +71,20 @@ namespace ngsxfem_contact
   inline size_t NumberOf (const CrackedBody & body, const CrackKey & crack)
   { return std::holds_alternative<size_t>(crack) ? std::get<size_t>(crack) : body.CrackNumber(std::get<std::string>(crack)); }
 }
+
+template <>
+struct pybind11::detail::type_caster<ngsxfem_contact::PlanePoints>
+{
+  using Pairs = make_caster<std::vector<ngsxfem_contact::Pair>>;
+  PYBIND11_TYPE_CASTER(ngsxfem_contact::PlanePoints, Pairs::name);
+
+  /// Raises TypeError for anything else, since the types that pybind11 would list do not say what is wrong.
+  bool load (handle source, bool convert)
+  {
+    Pairs pairs;
+    if (!pairs.load(source, convert))
+      throw type_error("points are pairs (x, y), not " + std::string(repr(source)) + "; in space a crack is a surface: Sheet.Polygon(points), or Sheet.Extrude of a Crack");
+    value.pairs = cast_op<std::vector<ngsxfem_contact::Pair> &&>(std::move(pairs));
+    return true;
+  }
+};

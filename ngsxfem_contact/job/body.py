@@ -48,8 +48,9 @@ def mesh_of(table: Table) -> Mesh:
 def read_mesh(table: Table, name: str) -> Mesh:
     """A .vol or .msh file, beside the part's file unless its path is absolute."""
     path = table.file.parent / name
-    read = read_gmsh if path.suffix == ".msh" else read_netgen
-    if not name.endswith((".vol", ".vol.gz", ".msh")):
+    of_gmsh = path.suffix.lower() == ".msh"
+    read = read_gmsh if of_gmsh else read_netgen
+    if not of_gmsh and not name.endswith((".vol", ".vol.gz")):
         table.Refuse(f"{name!r} must be a mesh of Netgen, .vol or .vol.gz, or of gmsh, .msh", "file")
     if not path.is_file():
         table.Refuse(f"there is no file {path}", "file")

@@ -43,6 +43,12 @@ def test_cracks(points, message):
         Crack(points)
 
 
+@pytest.mark.parametrize("points", [[(0, 0, 0), (1, 0, 0)], [(0, 0), (1,)], "points", 3])
+def test_points_that_are_not_of_the_plane(points):
+    with refused(r"points are pairs \(x, y\), not .*; in space a crack is a surface: Sheet.Polygon", TypeError):
+        Crack(points)
+
+
 @pytest.mark.parametrize("points", [[(0, 0, 0), (1, 0, 0)], "ab", 3, [1, 2], [("a", "b"), ("c", "d")]])
 def test_things_that_are_no_points(points):
     with pytest.raises((TypeError, RuntimeError)):

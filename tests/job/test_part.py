@@ -1,5 +1,6 @@
 """What a part's file describes is what the same problem by the API is."""
 
+import shutil
 from math import pi
 from pathlib import Path
 
@@ -437,3 +438,8 @@ def test_a_compressed_mesh(tmp_path):
     square(0.2).ngmesh.Save(str(tmp_path / "square.vol.gz"))
     text = SQUARE.format(crack="polyline = [[0, 0.51], [0.5, 0.51]]").replace("rectangle = [[0, 0], [1, 1]]\nmaxh = 0.2", 'file = "square.vol.gz"')
     assert part_of(tmp_path, text).problem.V.mesh.ne == square(0.2).ne
+
+
+def test_a_mesh_of_gmsh_whose_name_is_in_capitals(tmp_path):
+    shutil.copy(GMSH / "layered-4.1.msh", tmp_path / "LAYERED.MSH")
+    assert part_of(tmp_path, LAYERED.format(file="LAYERED.MSH") + FRICTION).problem.V.mesh.GetMaterials() == ("matrix", "layer")
