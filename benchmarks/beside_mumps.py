@@ -10,13 +10,11 @@ for S by one block of right-hand sides. The difference of both S is relative to 
 
 import argparse
 import json
-import os
-import subprocess
 import sys
 import time
 
 import numpy as np
-from processes import OPEN_MPI
+from processes import measured
 from results import recorded
 
 MEMORY = "200"  # ICNTL(14): per cent of working space beyond MUMPS's estimate, which is too small for indefinite or distributed matrices
@@ -147,15 +145,6 @@ def measure(maxh):
         sys.stdout.write(json.dumps(of_all) + "\n")
 
 
-def measured(number, maxh):
-    """What each process found, a dictionary for each."""
-    command = ["timeout", "900", "mpirun", "-n", str(number), sys.executable, "-W", "ignore", __file__, "--measure", str(maxh)]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI)
-    if done.returncode:
-        raise RuntimeError(done.stdout + done.stderr)
-    return json.loads(done.stdout.strip().splitlines()[-1])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sizes", type=float, nargs="+", default=[0.01, 0.006, 0.004])
@@ -169,7 +158,7 @@ def main():
     print("processes  unknowns  rows         factors and S   matrix  factors      S             factors and S   matrix  factors      S  difference of S")
     for maxh in chosen.sizes:
         for number in chosen.numbers:
-            rows = measured(number, maxh)
+            rows = measured(__file__, number, maxh)
             most = {part: np.max([row[part] for row in rows], axis=0) for part in parts}  # CPU, wall
             seconds = [" ".join(f"{most[part][k]:{width}.2f}" for part, width in zip(parts, (21 if k == 0 else 23, 8, 8, 6))) for k in (0, 1)]
             print(f"{number:9} {rows[0]['unknowns']:9} {rows[0]['rows']:5} {seconds[0]}  {seconds[1]} {rows[0]['difference']:16.1e}")

@@ -9,14 +9,12 @@ process sends in a solve beside those of the model: 8 (k n_s + n_X) for each ite
 
 import argparse
 import json
-import os
 import resource
-import subprocess
 import sys
 import time
 
 import numpy as np
-from processes import OPEN_MPI, Counted
+from processes import Counted, measured
 from results import recorded
 
 
@@ -53,16 +51,6 @@ def measure(maxh, order):
     of_all = exchange.AtFirst(here)
     if of_all:
         sys.stdout.write(json.dumps(of_all) + "\n")
-
-
-def measured(number, maxh, order):
-    """What each process found, a dictionary for each."""
-    start = ["mpirun", "-n", str(number)] if number > 1 else []
-    command = ["timeout", "2400", *start, sys.executable, "-W", "ignore", __file__, "--measure", str(maxh), str(order)]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI)
-    if done.returncode:
-        raise RuntimeError(done.stdout + done.stderr)
-    return json.loads(done.stdout.strip().splitlines()[-1])
 
 
 def line(number, order, rows, degree):
@@ -116,7 +104,7 @@ def main():
     )
     runs, cases = [], [(number, maxh, order) for order in chosen.orders for maxh in chosen.sizes for number in chosen.numbers]
     for number, maxh, order in cases + [(number, chosen.largest, 2) for number in (1, 3) if chosen.largest]:
-        runs.append((number, order, measured(number, maxh, order)))
+        runs.append((number, order, measured(__file__, number, maxh, order, seconds=2400)))
         print(line(*runs[-1], DEGREE), flush=True)
     print_model(runs, DEGREE)
 

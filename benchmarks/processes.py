@@ -87,9 +87,10 @@ def measure(maxh):
         sys.stdout.write(json.dumps(of_all) + "\n")
 
 
-def measured(number, maxh):
-    """What each process found, a dictionary for each."""
-    command = ["timeout", "600", "mpirun", "-n", str(number), sys.executable, "-W", "ignore", __file__, "--measure", str(maxh)]
+def measured(script, number, *arguments, seconds=900):
+    """What a script prints, as JSON, with --measure and arguments on a number of processes: what each found, a dictionary for each."""
+    start = ["mpirun", "-n", str(number)] if number > 1 else []
+    command = ["timeout", str(seconds), *start, sys.executable, "-W", "ignore", script, "--measure", *map(str, arguments)]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env=os.environ | OPEN_MPI)
     if done.returncode:
         raise RuntimeError(done.stdout + done.stderr)
@@ -182,7 +183,7 @@ def main():
     chosen = parser.parse_args()
     if chosen.measure is not None:
         return measure(chosen.measure)
-    runs = [(number, measured(number, maxh)) for maxh in chosen.sizes for number in chosen.numbers]
+    runs = [(number, measured(__file__, number, maxh)) for maxh in chosen.sizes for number in chosen.numbers]
     model = Model(runs)
     print(
         "processes  unknowns  held by one     n_Γ  model  rows   own s  model  calls: made  factor  solve    bytes: made    factor    model   solve   MB: first  others"
