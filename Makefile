@@ -13,7 +13,7 @@ help: ## show these targets (default)
 
 demo: $(VENV)/plot.stamp ## build the package into .venv and run its main job in results/
 	mkdir -p results
-	cd results && ../$(BIN)/python -m ngsxfem_contact
+	cd results && $(CURDIR)/$(BIN)/python -m ngsxfem_contact
 
 test: $(VENV)/test.stamp ## build the package into .venv and run its tests, on all cores
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal $(PYTEST)

@@ -1,6 +1,6 @@
 """Checks what pip cannot install: Python >= 3.10, venv, Python.h, a C++20 compiler (g++ >= 12). Runs on any Python 3.
 
-Debian 12 and 13 and Ubuntu 24.04 have them in python3-venv, python3-dev, g++; Ubuntu 22.04 has g++ 11, beside which g++-12 is installed.
+Debian 12 and 13 and Ubuntu 24.04 and 26.04 have them in python3-venv, python3-dev, g++; Ubuntu 22.04 has g++ 11, beside which g++-12 is installed.
 """
 
 import os

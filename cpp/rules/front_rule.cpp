@@ -37,7 +37,7 @@ namespace ngsxfem_contact
     std::vector<Point3> Samples (const Tet & t)
     {
       std::vector<Point3> points { t.begin(), t.end() };
-      for (auto [i, j] : tet_edges) points.push_back(Lerp(t[i], t[j], 0.5));
+      for (auto & [i, j] : tet_edges) points.push_back(Lerp(t[i], t[j], 0.5));
       for (int i = 0; i < 4; i++) points.push_back(Point3(1./3*(t[0]+t[1]+t[2]+t[3]-t[i])));
       points.push_back(Centre(t));
       return points;

@@ -169,7 +169,7 @@ namespace ngsxfem_contact
           x1[i] = Dot(off, ahead);
         }
       Polygon slice;
-      for (auto [i, j] : tet_edges)
+      for (auto & [i, j] : tet_edges)
         if (d[i]*d[j] < 0) slice.push_back(Lerp(Point(x1[i], heights[i]), Point(x1[j], heights[j]), d[i]/(d[i]-d[j])));
       if (slice.size() < 3) return;
       slice = HullOf(slice);
