@@ -156,7 +156,8 @@ class Part:
 
     def __init__(self, mesh: Mesh, processes: Processes) -> None:
         parallel = H1(mesh, order=1).ParallelDofs()
-        self.mesh, ids = mesh, np.array(list(parallel.EnumerateGlobally()[0]), dtype=int)
+        refined = processes.Max(mesh.levels) > 1  # the vertices of other meshes keep the numbers of the mesh that was distributed
+        self.mesh, ids = mesh, np.array(list(parallel.EnumerateGlobally()[0]) if refined else core.NumbersOfVertices(mesh), dtype=int)
         self.points = dict(zip(ids.tolist(), mesh.ngmesh.Coordinates()[: mesh.nv, :2].tolist()))
         table, segments = mesh.ngmesh.Elements2D().NumPy(), list(mesh.Elements(BND))
         self.corners = ids[table["nodes"][:, :3].astype(int).reshape(-1, 3) - 1]

@@ -2,6 +2,7 @@
 
 import sys
 import tempfile
+from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -9,17 +10,19 @@ import pytest
 from mpi4py import MPI
 from netgen.geom2d import SplineGeometry, unit_square
 from netgen.occ import Circle, OCCGeometry
-from ngsolve import CF, IfPos, Integrate, Mesh, ds, dx, sqrt, x, y
+from ngsolve import CF, H1, GridFunction, IfPos, Integrate, Interpolate, Mesh, ds, dx, sqrt, x, y
 
-from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact import BarbosaHughes, ContactProblem, ContactSolution, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 from ngsxfem_contact.algebra.multigrid import is_available
 from ngsxfem_contact.algebra.substructuring import check_memory
 from ngsxfem_contact.contact import ConditionNumber, strategy
-from ngsxfem_contact.errors import NotCoercive, SingularSystem
+from ngsxfem_contact.contact.carried import written
+from ngsxfem_contact.errors import NotCoercive, NotSaved, SingularSystem
+from ngsxfem_contact.files import UnreadableFile
 from ngsxfem_contact.plotting import plot_body, plot_mesh
 from ngsxfem_contact.plotting.picture import Picture
 from ngsxfem_contact.plotting.plots import animate, split_displacement
-from ngsxfem_contact.processes import DistributedMesh, together
+from ngsxfem_contact.processes import DistributedMesh, alone, together
 from ngsxfem_contact.spaces.exchange import exchange_of
 
 COMM = MPI.COMM_WORLD
@@ -99,12 +102,52 @@ def what_is_not_supported_is_refused():
         lambda: TraceSpace(solution.body, order=2, basis="trace"),
         lambda: problem().Solve(inverse="sparsecholesky"),
         lambda: ConditionNumber(solution.problem),
-        lambda: solution.Save("body.solution"),
         lambda: plot_mesh(solution.problem.V),
         lambda: animate([solution], "body.gif", ["body"]),
     ):
         refused(action, NotImplementedError, words)
     refused(lambda: CrackedMesh(solution.body.mesh, INCLINED), NotImplementedError, "DistributedMesh")
+
+
+def what_cannot_be_saved_or_read_is_refused_on_all():
+    """Also where the first process alone sees it; files stay as they were, and nothing is left beside them."""
+    folder = COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None)
+    path = Path(folder) / "body.solution"
+    solution = problem(gap=1e-3).Solve()
+    refused(lambda: solution.Save(Path(folder) / "none" / "body"), FileNotFoundError, "no folder")
+    refused(lambda: ContactSolution.Load(path), FileNotFoundError, "body.solution")
+    solution.Save(path)
+    content = path.read_bytes()
+    COMM.barrier()
+    other = problem()
+    other.f += 0.01 * Interpolate(x * y, H1(other.body.mesh, order=1)) * other.V.TestFunction()[0] * other.body.dx
+    refused(lambda: other.Solve().Save(path), NotSaved, "cannot be saved", "interpolated by a GridFunction")
+    if COMM.size > 1:
+        other = problem()
+        far = GridFunction(H1(other.body.share.source, order=1))
+        refused(lambda: setattr(other, "gap", far) or written(other.Solve()), NotSaved, "another mesh")
+    assert path.read_bytes() == content and [other.name for other in Path(folder).iterdir()] == [path.name]
+    COMM.barrier()
+    if COMM.rank == 0:
+        path.write_bytes(content[:-100])
+    COMM.barrier()
+    refused(lambda: ContactSolution.Load(path), UnreadableFile, "not complete")
+    read = ContactSolution.Load(saved_traces(folder)) if COMM.size == 1 else None
+    if COMM.size > 1:
+        refused(lambda: ContactSolution.Load(saved_traces(folder)), NotImplementedError, "basis='trace'")
+    assert read is None or read.problem.W.order == 2
+
+
+def saved_traces(folder):
+    """The file of one process, with multipliers that are numbered by edges."""
+    path = Path(folder) / "traces"
+    if COMM.rank == 0:
+        with alone():
+            body = CrackedMesh(Mesh(square()), INCLINED)
+            V = CrackFESpace(body, order=2, material=STEEL, dirichlet="bottom")
+            ContactProblem(V, TraceSpace(body, order=2, basis="trace")).Solve().Save(path)
+    COMM.barrier()
+    return path
 
 
 def curved_elements():
@@ -198,6 +241,7 @@ CASES = [
     what_is_not_supported_is_refused,
     conjugate_gradients_are_chosen,
     what_is_wrong_is_refused_on_all,
+    what_cannot_be_saved_or_read_is_refused_on_all,
     curved_elements,
     point_loads,
     what_is_counted_twice_is_found,
