@@ -42,6 +42,9 @@ def world() -> Any:
     return MPI.COMM_WORLD
 
 
+is_acting = False  # whether an action of `together` runs
+
+
 def together(comm: Any, action: Callable[[], T]) -> T:
     """What action() returns on this process; an exception on one process is raised on all.
 
@@ -50,15 +53,18 @@ def together(comm: Any, action: Callable[[], T]) -> T:
     comm
         Of mpi4py; None: one process.
     action
-        Must not wait for other processes.
+        Must not wait for other processes. In an action that is within another one the outer one tells the others.
     """
-    if comm is None or comm.size == 1:
+    global is_acting
+    if comm is None or comm.size == 1 or is_acting:
         return action()
-    result, error = None, None
+    result, error, is_acting = None, None, True
     try:
         result = action()
     except Exception as raised:
         error = raised
+    finally:
+        is_acting = False
     of_all = comm.allgather(None if error is None else (type(error), str(error)))
     if error is not None:
         raise error

@@ -149,6 +149,9 @@ class Supports:
 
     def SetDirichlet(self, value: Any, region: Any) -> None:
         """See ContactProblem.SetDirichlet."""
+        self.V.share.Together(lambda: self._set_dirichlet(value, region))
+
+    def _set_dirichlet(self, value: Any, region: Any) -> None:
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
         given = value
@@ -173,7 +176,7 @@ class Supports:
 
     def Update(self) -> None:
         """Projects again what SetDirichlet was given where its coefficients, a Parameter or a GridFunction, have changed since."""
-        if any(function.HasChanged() for function in self.functions):
+        if self.V.share.Max(any(function.HasChanged() for function in self.functions)):
             for function in tuple(self.functions):
                 self.SetDirichlet(function.value, function.region)
 
