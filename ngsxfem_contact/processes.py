@@ -190,10 +190,10 @@ class Processes:
         """Whether this is the one that writes files."""
         return self.rank == 0
 
-    def Refuse(self, what: str, condition: bool = True) -> None:
-        """Raises NotImplementedError for what several processes cannot do yet."""
+    def Refuse(self, what: str, condition: bool = True, instead: str = "start the script without mpirun") -> None:
+        """Raises NotImplementedError for what several processes cannot do yet, and says what to do instead."""
         if self.several and condition:
-            raise NotImplementedError(f"{what} is not supported by several processes yet: start the script without mpirun")
+            raise NotImplementedError(f"{what} is not supported by several processes yet: {instead}")
 
     def Sum(self, value: Any) -> Any:
         """Of numbers, arrays, or sparse matrices, one of each process."""

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 def whole_mesh(share: Share) -> tuple[Mesh | None, np.ndarray]:
     """The Mesh of all elements, None on other processes than the first; and the numbers, on which all agree, of its vertices, which increase."""
+    if not share.several:
+        return share.mesh, share.vertices
     part = Part(share.source, share)
     held = np.unique(part.corners)
     rows = share.AtFirst((part.corners, part.regions, held, part.PointsOf(held), part.segments, part.boundaries, part.curves.parameters))

@@ -143,6 +143,8 @@ class Supports:
         distance = np.linalg.norm(vertices - np.asarray(point, dtype=float), axis=1)
         nearest = int(np.argmin(distance))
         _, size, best = min(self.V.share.Gather((float(distance[nearest]), float(np.ptp(vertices, axis=0).max()), tuple(vertices[nearest].tolist()))))
+        if any(tuple(other) != tuple(point) for other in self.V.share.Gather(tuple(point))):
+            raise ValueError(f"Pin: processes pin different points, this one {tuple(point)}; pin the same on all")
         if not np.linalg.norm(np.subtract(best, point)) <= 1e-8 * size:
             raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {best}")
         return nearest if tuple(vertices[nearest].tolist()) == best else -1, best
