@@ -13,6 +13,7 @@ from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, LinearF
 
 from ..arguments import check_function, check_regions, check_type
 from ..pickling import dofs_of, numbers_of
+from ..share import share_in
 from ..spaces.unknowns import Unknowns
 from .boundary_samples import boundary_samples
 from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
@@ -151,7 +152,7 @@ class Supports:
 
     def SetDirichlet(self, value: Any, region: Any) -> None:
         """See ContactProblem.SetDirichlet."""
-        self.V.share.Together(lambda: self._set_dirichlet(value, region))
+        share_in(self.V.body).Together(lambda: self._set_dirichlet(value, region))
 
     def _set_dirichlet(self, value: Any, region: Any) -> None:
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
@@ -178,7 +179,7 @@ class Supports:
 
     def Update(self) -> None:
         """Projects again what SetDirichlet was given where its coefficients, a Parameter or a GridFunction, have changed since."""
-        if self.V.share.Max(any(function.HasChanged() for function in self.functions)):
+        if share_in(self.V.body).Max(any(function.HasChanged() for function in self.functions)):
             for function in tuple(self.functions):
                 self.SetDirichlet(function.value, function.region)
 
