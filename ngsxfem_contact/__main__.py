@@ -19,6 +19,7 @@ from .files import UnreadableFile
 from .job.part import EXAMPLE, read_part
 from .job.results import numbers_of, summary, write_results
 from .job.table import RefusedPart
+from .processes import num_started
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -146,6 +147,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.example:
         print(EXAMPLE.read_text(encoding="utf-8"), end="")
         return 0
+    if (number := num_started()) > 1:
+        print(
+            f"refused: this is one of {number} processes, and files of parts are solved by one: leave mpirun out, or write a script with DistributedMesh",
+            file=sys.stderr,
+        )
+        return 2
     with nullcontext() if options.quiet else shown(__package__):
         return ending_well(lambda: run(options))
 

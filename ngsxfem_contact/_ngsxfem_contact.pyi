@@ -48,6 +48,7 @@ __all__: list[str] = [
     "NodalTraceBasis",
     "NumKeptRules",
     "NumNegativePivots",
+    "NumbersOfVertices",
     "OperatorName",
     "OperatorOf",
     "PartTriangle",
@@ -1167,6 +1168,9 @@ def NumKeptRules(body: CrackedMesh) -> int:
 
 def NumNegativePivots(factors: ngsolve.la.BaseMatrix) -> int:
     """Number of negative eigenvalues of a factorised matrix; -1: a pivot is not finite."""
+
+def NumbersOfVertices(mesh: ngsolve.comp.Mesh) -> numpy.typing.NDArray[numpy.int64]:
+    """The numbers, an array, that the vertices of a mesh of several processes had in the mesh that was distributed."""
 
 def OperatorName(proxy: ngsolve.comp.ProxyFunction) -> str:
     """The name of the operator of a trial or test function: Id, grad, plus, minus, jump, gradlarger, ..."""

@@ -16,7 +16,10 @@ from .share import share_of
 from .sheets import body_in_space
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from .description import Lines
+    from .share import Share
 
 __all__ = ["Crack", "CrackedMesh", "ElementKind", "EndKind", "FrontDemand", "HeightField", "Sheet", "Side"]
 
@@ -57,11 +60,19 @@ class CrackedMesh(core.CrackedMesh):
         check_type(mesh, Mesh, "CrackedMesh: mesh", "a Mesh of NGSolve; one of Netgen becomes it by Mesh(...)")
         self.share = share_of(mesh, cracks)
         check_curved(self.share.mesh)
+        check_same(self.share, cracks)
         super().__init__(self.share.mesh, *cracks, is_part=self.share.several)
 
     def __setstate__(self, state: Any) -> None:
         super().__setstate__(state)  # type: ignore[misc]
         self.share = share_of(self.mesh, self.cracks)
+
+
+def check_same(share: Share, cracks: Sequence[Any]) -> None:
+    """Raises ValueError where processes were given different cracks: they would wait for each other for ever."""
+    of_all = share.Gather([(crack.length, *crack.PointAt(0), *crack.PointAt(crack.length)) for crack in cracks if isinstance(crack, Crack)])
+    if any(np.shape(others) != np.shape(of_all[0]) or not np.allclose(others, of_all[0], rtol=1e-9) for others in of_all):
+        raise ValueError("CrackedMesh: processes were given different cracks; give the same to all")
 
 
 def check_curved(mesh: Mesh) -> None:

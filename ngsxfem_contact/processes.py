@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -16,7 +17,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import Mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from scipy.sparse import csr_matrix
 
@@ -41,6 +42,9 @@ def world() -> Any:
     return MPI.COMM_WORLD
 
 
+is_acting = False  # whether an action of `together` runs
+
+
 def together(comm: Any, action: Callable[[], T]) -> T:
     """What action() returns on this process; an exception on one process is raised on all.
 
@@ -49,15 +53,18 @@ def together(comm: Any, action: Callable[[], T]) -> T:
     comm
         Of mpi4py; None: one process.
     action
-        Must not wait for other processes.
+        Must not wait for other processes. In an action that is within another one the outer one tells the others.
     """
-    if comm is None or comm.size == 1:
+    global is_acting
+    if comm is None or comm.size == 1 or is_acting:
         return action()
-    result, error = None, None
+    result, error, is_acting = None, None, True
     try:
         result = action()
     except Exception as raised:
         error = raised
+    finally:
+        is_acting = False
     of_all = comm.allgather(None if error is None else (type(error), str(error)))
     if error is not None:
         raise error
@@ -129,6 +136,20 @@ def num_imported() -> int:
     return int(MPI.COMM_WORLD.size) if MPI is not None and MPI.Is_initialized() and not MPI.Is_finalized() else 1
 
 
+works_alone = False
+
+
+@contextmanager
+def alone() -> Iterator[None]:
+    """In the block the first process works on a whole mesh without the others, so that such a mesh is no mistake; it must not wait for them there."""
+    global works_alone
+    before, works_alone = works_alone, True
+    try:
+        yield
+    finally:
+        works_alone = before
+
+
 @dataclass
 class Processes:
     """Those that share a mesh; methods are collective, and identities for a single one.
@@ -147,7 +168,7 @@ class Processes:
         comm: Any = getattr(mesh, "comm", None)
         size = getattr(comm, "size", 1)
         number = max(num_started(), num_imported())
-        if size == 1 and number > 1:
+        if size == 1 and number > 1 and not works_alone:
             raise NotImplementedError(
                 f"{what}: this is one of {number} processes, each of which has a whole mesh and would solve everything: share one, mesh = DistributedMesh(make), "
                 "make() giving the mesh of Netgen, or start the script without mpirun"
@@ -169,10 +190,10 @@ class Processes:
         """Whether this is the one that writes files."""
         return self.rank == 0
 
-    def Refuse(self, what: str, condition: bool = True) -> None:
-        """Raises NotImplementedError for what several processes cannot do yet."""
+    def Refuse(self, what: str, condition: bool = True, instead: str = "start the script without mpirun") -> None:
+        """Raises NotImplementedError for what several processes cannot do yet, and says what to do instead."""
         if self.several and condition:
-            raise NotImplementedError(f"{what} is not supported by several processes yet: start the script without mpirun")
+            raise NotImplementedError(f"{what} is not supported by several processes yet: {instead}")
 
     def Sum(self, value: Any) -> Any:
         """Of numbers, arrays, or sparse matrices, one of each process."""
@@ -185,8 +206,8 @@ class Processes:
         return self.comm.allreduce(value)
 
     def Max(self, value: float) -> float:
-        """The largest of the numbers of all."""
-        return max(self.Gather(float(value)))
+        """The largest of the numbers of all; NaN if there is one."""
+        return float(np.max(self.Gather(float(value))))
 
     def Gather(self, value: T) -> list[T]:
         """The values of all, in their order."""

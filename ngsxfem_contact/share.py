@@ -119,7 +119,7 @@ def share_of(mesh: Mesh, cracks: Sequence[core.Crack]) -> Share:
     """The Share of this process in a mesh with cracks. Raises NotImplementedError as `Processes.Of` and `Curves.Of` do."""
     processes = Processes.Of(mesh, "CrackedMesh")
     if not processes.several:
-        return Share(mesh=mesh, source=mesh)
+        return Share(mesh=mesh, source=mesh, vertices=np.arange(mesh.nv))
     abort_on_error(processes.comm)
     part = Part(mesh, processes)
     return shared(part, processes, strip(part, processes, cracks))
@@ -156,8 +156,9 @@ class Part:
 
     def __init__(self, mesh: Mesh, processes: Processes) -> None:
         parallel = H1(mesh, order=1).ParallelDofs()
-        self.mesh, ids = mesh, np.array(list(parallel.EnumerateGlobally()[0]), dtype=int)
-        self.points = dict(zip(ids.tolist(), mesh.ngmesh.Coordinates()[: mesh.nv, :2].tolist()))
+        refined = processes.Max(mesh.levels) > 1  # the vertices of other meshes keep the numbers of the mesh that was distributed
+        self.mesh, ids = mesh, np.array(list(parallel.EnumerateGlobally()[0]) if refined else core.NumbersOfVertices(mesh), dtype=int)
+        self.points = dict(zip(ids.tolist(), mesh.ngmesh.Coordinates()[: mesh.nv, :2].tolist() if mesh.nv else []))
         table, segments = mesh.ngmesh.Elements2D().NumPy(), list(mesh.Elements(BND))
         self.corners = ids[table["nodes"][:, :3].astype(int).reshape(-1, 3) - 1]
         self.regions, self.boundaries = table["index"].astype(int) - 1, np.array([segment.index for segment in segments], dtype=int)

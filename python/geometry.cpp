@@ -269,5 +269,11 @@ void ExportGeometry (py::module & m)
   ExportCrackedMesh(m);
   m.def("ElementsBeside", [] (const MeshAccess & mesh, const Crack & crack) { return ElementsBeside(mesh, crack); }, py::arg("mesh"), py::arg("crack"),
         "Numbers of the elements of a mesh that a crack may meet, by boxes around both.");
+  m.def("NumbersOfVertices", [] (const MeshAccess & mesh)
+        {
+          py::array_t<int64_t> numbers(mesh.GetNV());
+          for (size_t i = 0; i < mesh.GetNV(); i++) numbers.mutable_at(i) = mesh.GetCommunicator().Size() > 1 ? mesh.GetGlobalVertexNum(i) : i;
+          return numbers;
+        }, py::arg("mesh"), "The numbers, an array, that the vertices of a mesh of several processes had in the mesh that was distributed.");
   m.def("NumKeptRules", &NumKeptRules, py::arg("body"), "How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.");
 }

@@ -87,7 +87,7 @@ class AssembledProblem(ABC):
         self.problem = problem = self._with_motions(problem) if len(self.motions) else problem
         with stage(self.timings, "assemble", f"assembling, {size}"):
             self.system = system = problem.Assemble()
-            check_gap(system)
+            self.exchange.Together(lambda: check_gap(system))
             if slips_freely:
                 self.motions.CheckFelt((system.E @ self.motions.R)[: len(system.nodes)], system.nodes.weights)
             warn_of_brittle_faces(problem, system.nodes)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from ..arguments import check_number, check_type
-from ..loads.load import check_unchanged
+from ..loads.changes import check_unchanged
 from ..tables import Table
 from .load_case import LoadCase
 from .options import Start, StepOptions

@@ -11,7 +11,8 @@ from ngsolve import GridFunction, Id, Integrate
 from ..algebra.nodal_newton import FREE
 from ..arguments import check_regions, check_whole, crack_number
 from ..description import Described
-from ..loads.load import LoadTerms, check_unchanged
+from ..loads.changes import check_unchanged
+from ..loads.load import LoadTerms
 from ..operators import NORMAL
 from ..spaces.incompressible import stress, stress_power
 from .at_tips import AtTips
@@ -330,7 +331,7 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
     def Save(self, path: str | Path) -> Path:
         """Writes the solution with all that it was made of to one file, which Load reads in another process; returns its path.
 
-        Body, spaces, coefficients, loads, supports, material, law and history of the faces, and the report are in it: K, energies, reactions, pictures,
+        Several processes that share the body write one file, that of a single process: any number of processes reads it. Body, spaces, coefficients, loads, supports, material, law and history of the faces, and the report are in it: K, energies, reactions, pictures,
         `previous=` of the next load step and growth go on from what is read. The file appears when it is complete.
 
         Parameters
@@ -348,14 +349,15 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         FileNotFoundError, OSError
             If there is no such folder, or the disk is full.
         """
-        from .saved import save
+        from .carried import save_whole
 
-        self.problem.V.share.Refuse("Save")
-        return save(self, path)
+        return save_whole(self, path)
 
     @staticmethod
     def Load(path: str | Path) -> ContactSolution:
         """The solution that Save wrote, with its problem, spaces and body; its numbers are those that were saved.
+
+        Under mpirun the first process reads the file, and all share what is in it, each a part of the mesh.
 
         Parameters
         ----------
@@ -366,9 +368,11 @@ class ContactSolution(Described, AtTips, OnFaces, OfErrors):
         ------
         UnreadableFile
             For a file of another kind or format, one that is not complete, one of another version of NGSolve, and one whose spaces cannot be made again.
+        NotImplementedError
+            With several processes for TraceSpace(basis="trace") of order 2 or more, and for bodies in space.
         FileNotFoundError
             If there is none.
         """
-        from .saved import load
+        from .carried import load_shared
 
-        return load(path)
+        return load_shared(path)

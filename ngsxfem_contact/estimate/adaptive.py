@@ -17,6 +17,7 @@ from ..arguments import check_number, check_positive, check_type, check_whole
 from ..description import Described
 from ..errors import AccuracyWarning, SolveError, TooCoarse, warn
 from ..fracture.tip_integral import elements_within
+from ..processes import Processes
 from ..spaces.resolution import coarse_elements
 from ..tables import Table
 from .norm_estimate import is_norm
@@ -162,6 +163,8 @@ def SolveAdaptive(
         For arguments that cannot be meant.
     SolveError
         As the solves.
+    NotImplementedError
+        With several processes.
 
     Warns
     -----
@@ -191,6 +194,7 @@ class Refinement:
 
     def __post_init__(self) -> None:
         check_type(self.first, Mesh, "SolveAdaptive: mesh", "an NGSolve Mesh")
+        Processes.Of(self.first, "SolveAdaptive").Refuse("SolveAdaptive")
         if self.first.dim != 2:
             raise ValueError("SolveAdaptive: the mesh is not plane, and there is no estimate of errors in space yet; compare two meshes, or orders 1 and 2")
         if not callable(self.make_problem):

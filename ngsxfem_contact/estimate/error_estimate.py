@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ..description import Lines
     from ..protocols import Goal, Norm
 
+ELSEWHERE = "save the solution, solution.Save(path), and ask for it in a script without mpirun that loads the file"
 SMOOTH, SINGULAR = 1.5, 0.5  # exponents of r in u that the polynomials have to approximate: beside tip functions, and without them
 
 
@@ -60,7 +61,7 @@ class ErrorEstimate(Described):
 
     def __init__(self, solution: ContactSolution) -> None:
         check_plane(solution.body, "ErrorEstimate")
-        solution.problem.V.share.Refuse("An estimate of the error")
+        solution.problem.V.share.Refuse("An estimate of the error", instead=ELSEWHERE)
         solution.CheckLoad()
         self.solution, self.next_order = solution, NextOrder(solution)
         self.e, self._found = self.next_order.Error()

@@ -79,6 +79,17 @@ class LoadForm(LinearForm):
     def __reduce__(self) -> Any:
         return form_of, (self.V, [given.form if isinstance(given, PointLoad) else given.term for given in self.given])
 
+    def Add(self, terms: list[Any]) -> None:
+        """Adds FormTerms and point loads.
+
+        Parameters
+        ----------
+        terms
+            FormTerms and PointEvaluationFunctionals.
+        """
+        for term in terms:
+            self += term if isinstance(term, fem.PointEvaluationFunctional) else term.form
+
     def _checked(self, form: Any) -> list[GivenTerm]:
         terms = checked_terms(form, self.V, NAME_F)
         if any(term.trial for term in terms):
@@ -115,8 +126,7 @@ class LoadForm(LinearForm):
 def form_of(V: CrackFESpace, terms: list[Any]) -> LoadForm:
     """The LoadForm of FormTerms and point loads."""
     form = LoadForm(V)
-    for term in terms:
-        form += term if isinstance(term, fem.PointEvaluationFunctional) else term.form
+    form.Add(terms)
     return form
 
 
@@ -271,15 +281,6 @@ def assembled(load: LoadTerms, V: CrackFESpace, form_of: Callable[..., Any], cou
             point += form_of(given)
             points += factor * point.Assemble().vec.FV().NumPy()
     return integrals.Assemble().vec.FV().NumPy() + points
-
-
-def check_unchanged(load: LoadTerms, F: np.ndarray, V: CrackFESpace, when: str) -> None:
-    """Raises ValueError if the coefficients of an LoadTerms do not give F any more."""
-    now = load.Vector(V)
-    if not np.allclose(now, F, rtol=1e-9, atol=1e-9 * np.abs(F).max(initial=0)):
-        raise ValueError(
-            f"a coefficient of the load, such as a Parameter, has changed since {when}, and what is asked needs its value then: set it back, or make it anew"
-        )
 
 
 def check_symmetric_stress(form: LoadForm) -> None:

@@ -13,6 +13,7 @@ from ngsolve import VERTEX, BitArray, CoefficientFunction, GridFunction, LinearF
 
 from ..arguments import check_function, check_regions, check_type
 from ..pickling import dofs_of, numbers_of
+from ..share import share_in
 from ..spaces.unknowns import Unknowns
 from .boundary_samples import boundary_samples
 from .mouths import PROJECTION_BONUS, boundary_mass, mouth_weight, short_traces
@@ -143,12 +144,17 @@ class Supports:
         distance = np.linalg.norm(vertices - np.asarray(point, dtype=float), axis=1)
         nearest = int(np.argmin(distance))
         _, size, best = min(self.V.share.Gather((float(distance[nearest]), float(np.ptp(vertices, axis=0).max()), tuple(vertices[nearest].tolist()))))
+        if any(tuple(other) != tuple(point) for other in self.V.share.Gather(tuple(point))):
+            raise ValueError(f"Pin: processes pin different points, this one {tuple(point)}; pin the same on all")
         if not np.linalg.norm(np.subtract(best, point)) <= 1e-8 * size:
             raise ValueError(f"Pin: there is no mesh vertex at {tuple(point)}; the nearest is {best}")
         return nearest if tuple(vertices[nearest].tolist()) == best else -1, best
 
     def SetDirichlet(self, value: Any, region: Any) -> None:
         """See ContactProblem.SetDirichlet."""
+        share_in(self.V.body).Together(lambda: self._set_dirichlet(value, region))
+
+    def _set_dirichlet(self, value: Any, region: Any) -> None:
         check_type(region, str, "SetDirichlet: region", "the name of a boundary, or a regular expression")
         check_regions(self.V.mesh, region, "SetDirichlet: region")
         given = value
@@ -173,7 +179,7 @@ class Supports:
 
     def Update(self) -> None:
         """Projects again what SetDirichlet was given where its coefficients, a Parameter or a GridFunction, have changed since."""
-        if any(function.HasChanged() for function in self.functions):
+        if share_in(self.V.body).Max(any(function.HasChanged() for function in self.functions)):
             for function in tuple(self.functions):
                 self.SetDirichlet(function.value, function.region)
 

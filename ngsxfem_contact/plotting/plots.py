@@ -22,13 +22,14 @@ from ..operators import Minus, Plus
 from ..points import mesh_arrays
 from ..share import share_in
 from ..spaces.unknowns import Unknowns
+from ..whole_mesh import whole_mesh
 from .picture import Picture
 from .split_mesh import SplitMesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ngsolve import CoefficientFunction
+    from ngsolve import CoefficientFunction, Mesh
 
     from .._ngsxfem_contact import CrackFESpace
     from ..contact.solution import ContactSolution
@@ -218,7 +219,7 @@ def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
     """The mesh, the cracks, and what enriches the space: circles on vertices with a Heaviside function, the disks of the tips' functions.
 
     Triangles are light if some of their vertices are enriched, darker if all are. In space: the polygons in which the sheets cut the elements, those that a front enters
-    in another colour. Returns the axes.
+    in another colour. Returns the axes. Of several processes the first one draws the whole mesh, the others return None.
 
     Parameters
     ----------
@@ -228,16 +229,22 @@ def plot_mesh(V: CrackFESpace, ax: Any = None) -> Any:
         Of matplotlib; default new ones. In space one for each sheet.
     """
     check_has(V, "body", "plot_mesh: V", "a CrackFESpace")
-    V.share.Refuse("A picture of the mesh")
+    V.share.Refuse("A picture of a mesh in space", V.mesh.dim != 2)
     return mesh_plot(V.body, V, ax)
 
 
 @singledispatch
 def mesh_plot(body: Any, V: CrackFESpace, ax: Any) -> Any:
     """See plot_mesh."""
-    ax = ax or pyplot().subplots(layout="constrained")[1]
-    vertices, elements = mesh_arrays(body.mesh)
-    enriched = [dof for dof in Unknowns(V).enriched if dof < len(vertices)]  # dof i of P_k is vertex i
+    (mesh, numbers), share = whole_mesh(V.share), V.share
+    return share.Together(lambda: drawn_mesh(mesh, np.asarray(np.searchsorted(numbers, share.vertices)), V, ax) if mesh is not None else None)
+
+
+def drawn_mesh(mesh: Mesh, place: np.ndarray, V: CrackFESpace, ax: Any) -> Any:
+    """The picture of a whole mesh in which the vertices of the mesh of V have the numbers place (nv,)."""
+    body, ax = V.body, ax or pyplot().subplots(layout="constrained")[1]
+    vertices, elements = mesh_arrays(mesh)
+    enriched = place[[dof for dof in Unknowns(V).enriched if dof < len(place)]]  # dof i of P_k is vertex i
     count = np.isin(elements, enriched).sum(axis=1)
     if count.any():
         ax.tripcolor(*vertices.T, elements[count > 0], facecolors=np.where(count == 3, 2.0, 1.0)[count > 0], cmap="Blues", vmin=0, vmax=6)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import CELL, EDGE, H1, VERTEX, VOL, ElementId, NodeId
 
 from ..processes import Exchange
+from .keys import copies_of
 from .unknowns import Unknowns, scalar_flags
 
 if TYPE_CHECKING:
@@ -71,11 +71,7 @@ def keys_of(V: CrackFESpace, share: Share) -> tuple[np.ndarray, np.ndarray]:
     for dof, key, is_own in keys_of_functions(V, share):
         scalar[dof], owned_scalar[dof] = key, is_own
     enriched = unknowns.enriched
-    before: Counter[int] = Counter()
-    copies = np.zeros(len(enriched), dtype=int)
-    for j, function in enumerate(enriched.tolist()):
-        before[function] += 1
-        copies[j] = before[function]
+    copies = copies_of(enriched)
     rows, owned = [], []
     for functions, copy in ((np.arange(unknowns.functions), np.zeros(unknowns.functions, dtype=int)), (enriched, copies)):
         for component in range(2):

@@ -2,6 +2,7 @@
 
 import sys
 import tempfile
+from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -9,17 +10,20 @@ import pytest
 from mpi4py import MPI
 from netgen.geom2d import SplineGeometry, unit_square
 from netgen.occ import Circle, OCCGeometry
-from ngsolve import CF, IfPos, Integrate, Mesh, ds, dx, sqrt, x, y
+from ngsolve import CF, H1, GridFunction, IfPos, Integrate, Interpolate, Mesh, ds, dx, sqrt, x, y
 
-from ngsxfem_contact import BarbosaHughes, ContactProblem, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
+from ngsxfem_contact import BarbosaHughes, ContactProblem, ContactSolution, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 from ngsxfem_contact.algebra.multigrid import is_available
 from ngsxfem_contact.algebra.substructuring import check_memory
-from ngsxfem_contact.contact import ConditionNumber, strategy
-from ngsxfem_contact.errors import NotCoercive, SingularSystem
+from ngsxfem_contact.contact import ConditionNumber, CrackScaling, strategy
+from ngsxfem_contact.contact.carried import written
+from ngsxfem_contact.errors import NotCoercive, NotSaved, SingularSystem
+from ngsxfem_contact.estimate import SolveAdaptive
+from ngsxfem_contact.files import UnreadableFile
 from ngsxfem_contact.plotting import plot_body, plot_mesh
 from ngsxfem_contact.plotting.picture import Picture
 from ngsxfem_contact.plotting.plots import animate, split_displacement
-from ngsxfem_contact.processes import DistributedMesh, together
+from ngsxfem_contact.processes import DistributedMesh, alone, together
 from ngsxfem_contact.spaces.exchange import exchange_of
 
 COMM = MPI.COMM_WORLD
@@ -99,12 +103,54 @@ def what_is_not_supported_is_refused():
         lambda: TraceSpace(solution.body, order=2, basis="trace"),
         lambda: problem().Solve(inverse="sparsecholesky"),
         lambda: ConditionNumber(solution.problem),
-        lambda: solution.Save("body.solution"),
-        lambda: plot_mesh(solution.problem.V),
+        lambda: CrackScaling(solution.problem.Assemble().stiffness, solution.problem.V),
+        lambda: SolveAdaptive(lambda mesh: problem(), DistributedMesh(square)),
         lambda: animate([solution], "body.gif", ["body"]),
     ):
         refused(action, NotImplementedError, words)
+    refused(solution.ErrorEstimate, NotImplementedError, words, "solution.Save(path)", "loads the file")
     refused(lambda: CrackedMesh(solution.body.mesh, INCLINED), NotImplementedError, "DistributedMesh")
+
+
+def what_cannot_be_saved_or_read_is_refused_on_all():
+    """Also where the first process alone sees it; files stay as they were, and nothing is left beside them."""
+    folder = COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None)
+    path = Path(folder) / "body.solution"
+    solution = problem(gap=1e-3).Solve()
+    refused(lambda: solution.Save(Path(folder) / "none" / "body"), FileNotFoundError, "no folder")
+    refused(lambda: ContactSolution.Load(path), FileNotFoundError, "body.solution")
+    solution.Save(path)
+    content = path.read_bytes()
+    COMM.barrier()
+    other = problem()
+    other.f += 0.01 * Interpolate(x * y, H1(other.body.mesh, order=1)) * other.V.TestFunction()[0] * other.body.dx
+    refused(lambda: other.Solve().Save(path), NotSaved, "cannot be saved", "interpolated by a GridFunction")
+    if COMM.size > 1:
+        other = problem()
+        far = GridFunction(H1(other.body.share.source, order=1))
+        refused(lambda: setattr(other, "gap", far) or written(other.Solve()), NotSaved, "another mesh")
+    assert path.read_bytes() == content and [other.name for other in Path(folder).iterdir()] == [path.name]
+    COMM.barrier()
+    if COMM.rank == 0:
+        path.write_bytes(content[:-100])
+    COMM.barrier()
+    refused(lambda: ContactSolution.Load(path), UnreadableFile, "not complete")
+    read = ContactSolution.Load(saved_traces(folder)) if COMM.size == 1 else None
+    if COMM.size > 1:
+        refused(lambda: ContactSolution.Load(saved_traces(folder)), NotImplementedError, "basis='trace'")
+    assert read is None or read.problem.W.order == 2
+
+
+def saved_traces(folder):
+    """The file of one process, with multipliers that are numbered by edges."""
+    path = Path(folder) / "traces"
+    if COMM.rank == 0:
+        with alone():
+            body = CrackedMesh(Mesh(square()), INCLINED)
+            V = CrackFESpace(body, order=2, material=STEEL, dirichlet="bottom")
+            ContactProblem(V, TraceSpace(body, order=2, basis="trace")).Solve().Save(path)
+    COMM.barrier()
+    return path
 
 
 def curved_elements():
@@ -149,6 +195,16 @@ def pictures_are_drawn_by_the_first():
     solution, folder = problem().Solve(), tempfile.mkdtemp()
     split, u = split_displacement(solution)
     picture = Picture(split, solution.body.share)
+    of_mesh = plot_mesh(solution.problem.V)
+    assert (of_mesh is not None) == (COMM.rank == 0)
+    if of_mesh is not None:
+        marked = next(line for line in of_mesh.get_lines() if line.get_label() == "Heaviside function")
+        mesh = Mesh(square())
+        whole = CrackFESpace(CrackedMesh(mesh, INCLINED), order=2, material=STEEL, dirichlet="bottom", tip=None) if COMM.size == 1 else None
+        assert whole is None or len(marked.get_xdata()) == len([dof for dof in range(whole.num_heaviside) if whole.Heaviside(dof)[0] < mesh.nv])
+        distance = [INCLINED.Distance(tuple(point)) for point in marked.get_xydata()]
+        assert len(distance) > 0 and max(distance) < 0.25
+        assert sum(len(line.get_xdata()) for line in of_mesh.get_lines() if line.get_color() == "0.7" and line.get_linestyle() == "-") > 3 * mesh.ne
     ax, drawn = plot_body(solution), solution.Draw(filename=f"{folder}/body.html", show=False)
     assert [figure is not None for figure in (ax, drawn)] == [COMM.rank == 0] * 2
     if COMM.rank == 0:
@@ -183,6 +239,33 @@ def what_is_wrong_is_refused_on_all():
     check_memory(100)
 
 
+def what_differs_is_refused_on_all():
+    """Processes that are given something else than the others would wait for them for ever."""
+    if COMM.size == 1:
+        return
+    last = COMM.rank == COMM.size - 1
+    not_a_number = float("nan") if last else 1e-3
+    refused(lambda: problem(THROUGH if last else INCLINED), ValueError, "different cracks")
+    refused(lambda: problem().Pin((1, 1) if last else (0, 1), "x"), ValueError, "pin different points")
+    refused(lambda: problem(load=(0, not_a_number)).Solve(), ValueError, "the load `f` is not finite")
+    refused(lambda: problem(gap=CF(not_a_number)).Solve(), ValueError, "gap is not finite")
+    held = problem(dirichlet="bottom|top", load=(0, 0))
+    refused(lambda: held.SetDirichlet((0, not_a_number), "top"), ValueError, "not finite", "top")
+    refused(lambda: held.SetDirichlet((0, 0), "nowhere" if last else "top"), ValueError, "matches no boundary")
+    assert held.Solve().Energy() == 0
+
+
+def processes_without_elements():
+    """More of them than elements beside the crack, and than elements."""
+    for maxh, count in ((0.5, 1), (2, 0)):
+        body = CrackedMesh(DistributedMesh(lambda: square(maxh)), THROUGH)
+        V = CrackFESpace(body, order=2, material=STEEL, dirichlet="bottom|top")
+        pressed = ContactProblem(V, TraceSpace(body))
+        pressed.SetDirichlet((0, -1e-3), "top")
+        solution = pressed.Solve()
+        assert solution.ContactForce() == pytest.approx(-210e3 / (1 - 0.3**2) * 1e-3, rel=0.1 if count else 0.2)
+
+
 def an_error_of_one_process_ends_all():
     """Run by a test of its own: the others wait for it."""
     solved = problem()
@@ -198,6 +281,9 @@ CASES = [
     what_is_not_supported_is_refused,
     conjugate_gradients_are_chosen,
     what_is_wrong_is_refused_on_all,
+    what_cannot_be_saved_or_read_is_refused_on_all,
+    what_differs_is_refused_on_all,
+    processes_without_elements,
     curved_elements,
     point_loads,
     what_is_counted_twice_is_found,

@@ -146,6 +146,37 @@ def test_as_one_process(tmp_path):
         assert points_too == pytest.approx(points, abs=1e-14) and u_too == pytest.approx(u, abs=1e-9 * np.abs(u).max())
 
 
+GO_ON = 1e-9  # relative: what is solved for again, by another number of processes
+
+
+def off(before, after):
+    """The largest difference, relative to the largest value; of forces of supports and K each with all others."""
+    return {key: np.abs(after[key] - before[key]).max(initial=0) / np.abs(before[key]).max(initial=1e-300) for key in before}
+
+
+@needs_mpi
+def test_saved_solutions_are_read_by_other_numbers_of_processes(tmp_path):
+    """What is read is what was saved, and load steps, paths and growth go on: a file of three processes is read by one and four, that of one by three."""
+    for number, readers in ((3, (1, 4)), (1, (3,))):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        done = run(number, HERE / "saved.py", "save", folder)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert {path.suffix for path in folder.iterdir()} == {".npz", ".solution"}
+        for reader in readers:
+            done = run(reader, HERE / "saved.py", "load", folder, reader)
+            assert done.returncode == 0, done.stdout + done.stderr
+            for case in names_in(HERE / "saved.py"):
+                before, after = np.load(folder / f"{case}.npz"), np.load(folder / f"{case}.{reader}.npz")
+                assert set(before) == set(after) and np.abs(before["energies"]).max() > 0
+                worst = {
+                    (number, reader, case, key): value
+                    for key, value in off(before, after).items()
+                    if not value <= (GO_ON if " " in key or key == "grown" else 2e-12)
+                }
+                assert worst == {}
+
+
 SERIAL = """
 from netgen.geom2d import unit_square
 from ngsolve import Mesh
