@@ -1,9 +1,10 @@
 """Cracks in space: rates at a straight front, pennies that open, close and slide, a partially closed crack, stability for planes in any position.
 
-    python benchmarks/solids.py [fronts] [pennies] [factors] [away] [partial] [multipliers] [planes] [--realisations 100]
+    python benchmarks/solids.py [fronts] [pennies] [factors] [away] [reach] [partial] [multipliers] [planes] [--realisations 100]
 
 fronts: the H¹ error of K_I, K_II, K_III = 1 along a straight front in n³ cubes. pennies: a disk of radius a = 0.3 in the unit cube whose mesh is refined around it.
 factors: K along its front from solutions, with edges of h on the disk. away: the same for P1 by the edges away from it, and by how far from the front nodes have modes.
+reach: the same with modes at the front alone, and as by default, also of ellipses.
 partial: a plane crack that is open for ρ < a = 0.3, by multipliers of order 0. multipliers: the same by orders 0 and 1, with the radius that nodes in contact leave, by their
 weights, and that outside of which λ < 0; and closed pennies by both, modes for r < 1.7 h. planes: the eigenvalues of the multipliers' Schur complement for random planes through the cube.
 """
@@ -25,7 +26,7 @@ from ngsolve.meshes import MakeStructured3DMesh  # noqa: E402
 
 from ngsxfem_contact import ContactProblem, Coulomb, CrackedMesh, CrackFESpace, Elasticity, Jump, TraceSpace  # noqa: E402
 from ngsxfem_contact.contact.solver import ReducedProblem  # noqa: E402
-from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, partially_closed, penny_in_tension  # noqa: E402
+from ngsxfem_contact.exact.pennies import bent_penny, closed_penny, ellipse, partially_closed, penny_in_tension  # noqa: E402
 from ngsxfem_contact.exact.straight_fronts import straight_front  # noqa: E402
 from ngsxfem_contact.geometry import FrontDemand, Sheet  # noqa: E402
 from ngsxfem_contact.spaces import FrontEnrichment  # noqa: E402
@@ -57,7 +58,7 @@ def fronts(number):
     print(f"{'K':>4}  {'modes':24}{'n = 4':>8}{'n = 12':>8}{'order':>8}")
     for mode, factors in zip(("I", "II", "III"), np.eye(3)):
         form = straight_front(MATERIAL, *factors).At((0.385, 0.5, 0.61))
-        for name, front in (("none", None), ("at front elements", FrontEnrichment()), ("for r < 0.35", FrontEnrichment(radius=0.35))):
+        for name, front in (("none", None), ("at front elements", FrontEnrichment(radius=0)), ("for r < 0.35", FrontEnrichment(radius=0.35))):
             errors = []
             for body in bodies:
                 u = solved(body, form, front).u
@@ -101,7 +102,7 @@ def pennies(number):
         around = body.dcrack(bonus_intorder=2, fronts=FrontDemand())
         for kind, (form, law) in forms.items():
             form = form.At(CENTRE)
-            for name, front in (("at front", FrontEnrichment()), ("r < 1.7 h", FrontEnrichment(radius=1.7 * h))):
+            for name, front in (("at front", FrontEnrichment(radius=0)), ("r < 1.7 h", FrontEnrichment(radius=1.7 * h))):
                 start = time.perf_counter()
                 solution = solved(body, form, front, order, law=law)
                 seconds, jump = time.perf_counter() - start, Jump(solution.u)
@@ -192,6 +193,31 @@ def away(number):
                 print(f"{kind:20}{name:>11}{ratio:5}{RADIUS / edge:9.1f}{problem.V.ndof:8}{len(solution.state.L):6}{numbers}{seconds:7.1f}", flush=True)
 
 
+def reach(number):
+    bent = penny_in_tension(MATERIAL, RADIUS, 1.0) + bent_penny(MATERIAL, RADIUS, 2.0)
+    print(
+        "P1, edges of 0.4 a away from the disk; modes at the front alone, and as by default; largest error at the nodes along the front, percent of the largest K"
+    )
+    print(f"{'crack':24}{'a/h':>5}{'modes':>12}{'N':>8}{'radius':>8}{'K_I':>7}{'K_II':>7}{'K_III':>7}{'covered':>9}")
+    for ratio in (5, 8, 10):
+        mesh = fine_on_disk(RADIUS / ratio)
+        cases = [("penny, bending", bent, 1.0, 2.0 * (x - CENTRE[0])), ("penny, closed, shear", closed_penny(MATERIAL, RADIUS, 1.0, 0.8), 1.0, None)]
+        cases += [(f"ellipse, b/a = {b:.2f}", ellipse(MATERIAL, RADIUS, b * RADIUS), b, 1.0) for b in (2 / 3, 1 / 2) if ratio == 10]
+        for name, form, b, pressure in cases:
+            body, form = (
+                CrackedMesh(mesh, Sheet.Ellipse(CENTRE, (RADIUS, 0, 0), (0, b * RADIUS, 0)) if b < 1 else Sheet.Disk(CENTRE, (0, 0, 1), RADIUS)),
+                form.At(CENTRE),
+            )
+            for modes, radius in (("at front", 0), ("default", None)):
+                problem = penny_problem(body, form, 1, radius)
+                if pressure is not None:
+                    problem.FacePressure(pressure)
+                found = problem.Solve(inverse="sparsecholesky").StressIntensity()
+                off, largest = factor_errors(found, form)
+                numbers = "".join(f"{one.max():7.2f}" for one in 100 * np.abs(off).T / largest)
+                print(f"{name:24}{ratio:5}{modes:>12}{problem.V.ndof:8}{found.radii[0]:8.3f}{numbers}{np.mean(np.abs(off) <= found.errors):9.0%}", flush=True)
+
+
 def partial(number):
     form = partially_closed(MATERIAL, RADIUS).At(CENTRE)
     z = CENTRE[2]
@@ -254,7 +280,7 @@ def planes(number):
 
 
 def main():
-    run_cases(__doc__, (fronts, pennies, factors, away, partial, multipliers, planes), 100)
+    run_cases(__doc__, (fronts, pennies, factors, away, reach, partial, multipliers, planes), 100)
 
 
 if __name__ == "__main__":

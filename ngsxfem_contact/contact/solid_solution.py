@@ -11,7 +11,7 @@ from ngsolve import IfPos
 from .. import _ngsxfem_contact as core
 from ..arguments import crack_number
 from ..fracture.front_fields import FrontField
-from ..fracture.front_stress_intensity import FrontFactors, front_factors
+from ..fracture.front_stress_intensity import COLUMNS, FrontFactors, front_factors
 from ..fracture.given_stress import elements_near_fronts, stress_derivatives
 from ..operators import Gradient
 from ..sheets import check_plane
@@ -34,7 +34,7 @@ class SolidSolution(ContactSolution):
     front : int
         A number in `body.fronts`.
     radius : float
-        Of the largest tube around a front, a length; default four elements, less where there is no room.
+        Of the largest tube around a front, a length; default four elements, of order 1 as far as the modes reach (FrontEnrichment), less where there is no room.
     """
 
     @property
@@ -61,7 +61,7 @@ class SolidSolution(ContactSolution):
         """K, G and their errors at the nodes of all fronts, a row for each node: see FrontFactors.table."""
         field, material = front_field(self), self.problem.material
         found = [front_factors(self.body, field, material, front, radius).columns for front in range(len(self.body.fronts))]
-        return Table.Of({name: np.concatenate([columns[name] for columns in found]) for name in (found[0] if found else ())})
+        return Table.Of({name: np.concatenate([columns[name] for columns in found]) if found else np.zeros(0) for name in COLUMNS})
 
     def Profile(self, crack: int | str = 0) -> SheetProfile:  # type: ignore[override]
         """A SheetProfile: gap, slip, pressure and state in each polygon in which a sheet cuts an element, in the user's units.
@@ -152,4 +152,6 @@ def front_field(solution: SolidSolution) -> FrontField:
         change = tuple(stress_derivatives(stress, solution.problem.V, elements_near_fronts(body), "a front"))
     doubt = 0.5 * (traction["plus"] + traction["minus"] - found[0] - found[1])
     faces = {side: Gradient(u, side) for side in SIDES}
-    return FrontField(Gradient(u), faces, traction, pressure, IfPos(-1 * pressure, doubt, 0 * doubt), solution.load.BodyForces(), stress, change)
+    V = solution.problem.V
+    reach = V.front_spec.rules.radius if V.order == 1 and V.front_spec is not None else None
+    return FrontField(Gradient(u), faces, traction, pressure, IfPos(-1 * pressure, doubt, 0 * doubt), solution.load.BodyForces(), stress, change, reach)

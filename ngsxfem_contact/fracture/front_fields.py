@@ -43,6 +43,8 @@ class FrontField:
         (3, 3), a stress σ⁰ in σ = C:ε + σ⁰.
     given_change
         Its derivatives by x, y, z, three of (3, 3); default: it is constant.
+    reach
+        How far from the front the gradient is accurate, a length: tubes keep within it, if it is more than an element and a half. Default: everywhere.
 
     Raises
     ------
@@ -58,6 +60,7 @@ class FrontField:
     body_force: CoefficientFunction | None = None
     given: CoefficientFunction | None = None
     given_change: tuple[CoefficientFunction, ...] | None = None
+    reach: float | None = None
 
     def __post_init__(self) -> None:
         for name, dim in (("gradient", 9), ("pressure", 1), ("doubt", 3), ("body_force", 3), ("given", 9)):

@@ -23,9 +23,11 @@ if TYPE_CHECKING:
 
 RADII = (1, 0.75, 0.5)  # of the tubes that are compared, relative to the largest
 LARGEST, LEAST = 4, 1  # radius over h
+WORTH = 1.5  # reach over h, from which on tubes keep within it
 SPACING = 2  # between nodes, over h
 SPREAD, ROUGH = 3, 2  # times the change over radii, and that by smoothing: found by benchmarks/fronts.py
 NAMES = ("K_I", "K_II", "K_III")
+COLUMNS = ("front", "s", "x", "y", "z", *NAMES, *(f"{name}_error" for name in NAMES), "G", "G_error", "irwin")
 
 
 @dataclass(eq=False)
@@ -98,7 +100,7 @@ def front_factors(
     front
         A number in `body.fronts`.
     radius
-        Of the largest tube; default four elements, less where there is no room.
+        Of the largest tube; default four elements, or as far as u reaches, less where there is no room.
     nodes
         Into how many intervals, at least 5, each part of the front between corners is divided; default one for two elements. At their ends are the nodes.
     rule
@@ -130,7 +132,7 @@ def front_factors(
         check_whole(nodes, "front_factors: nodes", 5)
     if rule is not None:
         check_type(rule, TubeRule, "front_factors: rule", "a TubeRule")
-    radius, stretches = _room(curve, Room(curve, material), h, radius)
+    radius, stretches = _room(curve, Room(curve, material), h, radius, LARGEST * h if u.reach is None or u.reach < WORTH * h else min(LARGEST * h, u.reach))
     parts = []
     for start, end in stretches:
         least = 12 if curve.closed else 4
@@ -152,9 +154,9 @@ def curve_of(body: CrackedSolid, front: int) -> FrontCurve:
     return curve
 
 
-def _room(curve: FrontCurve, room: Room, h: float, given: float | None) -> tuple[float, list[tuple[float, float]]]:
+def _room(curve: FrontCurve, room: Room, h: float, given: float | None, usual: float) -> tuple[float, list[tuple[float, float]]]:
     """The radius, and the stretches of the front around which such a tube has room."""
-    radius = given or LARGEST * h
+    radius = given or usual
     while True:
         found = [room.Stretch(start, end, radius, h) for start, end in curve.Parts()]
         met = [part for part in found if isinstance(part, str)]

@@ -14,6 +14,7 @@ from ngsolve import VOL, ElementId
 
 from ..material import Isotropic
 from ..points import place
+from ..spaces.resolution import size_at_front
 from .extruded_tube import ExtrudedTube
 
 if TYPE_CHECKING:
@@ -227,13 +228,7 @@ class FrontCurve:
     @property
     def h(self) -> float:
         """The longest edge of the elements that hold the front, their mean."""
-        mesh, edges = self.body.mesh, []
-        for number in self.body.FrontElements(self.front.sheet):
-            corners = np.array([mesh[v].point for v in mesh[ElementId(VOL, number)].vertices])
-            longest = max(np.linalg.norm(corners[i] - corners[j]) for i in range(4) for j in range(i))
-            if self.front.Distance(tuple(corners.mean(axis=0))) < longest:
-                edges.append(longest)
-        return float(np.mean(edges))
+        return size_at_front(self.body, self.number)
 
     def Parts(self) -> list[tuple[float, float]]:
         """Start and end of its parts between corners; along a closed one without corners the whole."""

@@ -12,6 +12,7 @@ from .. import _ngsxfem_contact as core
 from .._ngsxfem_contact import CrackedSolid
 from ..algebra.elimination import Elimination
 from ..arguments import check_function, check_type
+from ..sheets import check_plane
 from .exchange import exchange_of
 from .unknowns import Unknowns, scalar_flags
 
@@ -40,13 +41,17 @@ def Interpolant(V: CrackFESpace, plus: Any, minus: Any = None, tips: Sequence[An
     Raises
     ------
     ValueError
-        For functions that are not finite or have another number of components, and for a wrong number of coefficients.
+        For functions that are not finite or have another number of components, for a wrong number of coefficients, for tips of a body in space and fronts of a plane one.
 
     Notes
     -----
     With several cracks the same pair is used at each.
     """
     check_type(V, core.CrackFESpace | core.SolidFESpace, "Interpolant: V", "a CrackFESpace")
+    if len(tips):
+        check_plane(V.body, "Interpolant: tips= (fronts= gives the coefficients of modes around fronts)")
+    if len(fronts) and not isinstance(V, core.SolidFESpace):
+        raise ValueError("Interpolant: fronts= are those of a body in space; tips= gives the coefficients at tips of a plane one")
     V.body.CheckMesh()
     unknowns = Unknowns(V)
     given = ((plus, "plus"), (minus if minus is not None else plus, "minus"))

@@ -39,6 +39,15 @@ def size_at(body: CrackedMesh, tip: Tip) -> float:
     return element_sizes(body, [at.element for at in body.Elements(tip.crack) if min(abs(s - tip.s) for s in at.arclength) <= close]).max()
 
 
+def size_at_front(body: CrackedSolid, number: int) -> float:
+    """The longest edge of the elements that hold a front, their mean."""
+    front, ngmesh = body.fronts[number], body.mesh.ngmesh
+    corners = ngmesh.Coordinates()[ngmesh.Elements3D().NumPy()["nodes"][sorted(body.FrontElements(front.sheet)), :4] - 1]
+    longest = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1).max(axis=(1, 2))
+    distances = np.array([front.Distance(tuple(centre)) for centre in corners.mean(axis=1).tolist()])
+    return float(longest[distances < longest].mean())
+
+
 def warn_of_coarse(body: CrackedMesh, specs: list[TipSpec | None], material: Isotropic | None) -> None:
     """Cracks of less than CRACK elements for each tip; at others tips whose functions reach less than DISK, and tips without functions less than ROOM elements from what is next."""
     short = [number for number in range(len(body.cracks)) if warn_of_short_crack(body, number)]

@@ -14,13 +14,14 @@ from ..errors import warn
 from ..material import Elasticity, Isotropic, check_form
 from ..share import Share
 from .flags import check_flags, joined_names
-from .resolution import warn_of_coarse_sheets, warn_of_thin_ligaments
+from .resolution import size_at_front, warn_of_coarse_sheets, warn_of_thin_ligaments
 
 if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedSolid, FrontDemand
     from ..description import Lines
 
 INFINITY = float("inf")
+REACH = 2  # elements, of the modes of order 1 around planar sheets
 UNKNOWN = Elasticity.Solid(E=2.6, nu=0.3)  # μ = 1: the modes of a front until its material is known
 
 
@@ -28,12 +29,13 @@ UNKNOWN = Elasticity.Solid(E=2.6, nu=0.3)  # μ = 1: the modes of a front until 
 class FrontEnrichment:
     """φ_i v_m around fronts: hats times the vector modes of unit K_I, K_II and K_III, three unknowns for each node.
 
-    The nodes are those of the elements that a front is in, or touches.
+    The nodes are those of the elements that a front is in, or touches, and those nearer than a radius.
 
     Parameters
     ----------
     radius
-        A length: nodes nearer to a front have modes, too. Default 0: none.
+        A length: nodes nearer to a front have modes, too; 0 for none of these. Default: of order 1 two elements (the longest edges of those that hold a front, their mean, at the
+        front where they are shortest), which halves the error of K; 0 of order 2, and where a sheet is curved.
     material
         An Elasticity (or Elasticity.ByRegion), whose modes are taken. Default: that of CrackFESpace(material=...), else of the ContactProblem that is made of the space.
     rules
@@ -45,21 +47,24 @@ class FrontEnrichment:
         For what is none of these, and a radius that is negative or not finite.
     """
 
-    radius: float = 0.0
+    radius: float | None = None
     material: Isotropic | None = None
     rules: FrontDemand | None = None
 
     def __post_init__(self) -> None:
-        check_number(self.radius, "FrontEnrichment: radius", lambda radius: 0 <= radius < INFINITY, "be 0 or positive, and finite")
+        if self.radius is not None:
+            check_number(self.radius, "FrontEnrichment: radius", lambda radius: 0 <= radius < INFINITY, "be 0 or positive, and finite")
         check_type(self.material, Isotropic | None, "FrontEnrichment: material", "an Elasticity")
         check_type(self.rules, core.FrontDemand | None, "FrontEnrichment: rules", "a FrontDemand")
 
-    def Spec(self, body: CrackedSolid, material: Isotropic | None) -> core.FrontSpec:
+    def Spec(self, body: CrackedSolid, order: int, material: Isotropic | None) -> core.FrontSpec:
         """What the space needs to know.
 
         Parameters
         ----------
         body : CrackedSolid
+            Of the space.
+        order : int
             Of the space.
         material : Elasticity or None
             That of the space.
@@ -73,7 +78,8 @@ class FrontEnrichment:
         if own is not None:
             check_form(own, body, "FrontEnrichment: material")
         rules = self.rules or core.FrontDemand()
-        demand = core.FrontDemand(max(self.radius, rules.radius), rules.along, rules.angular, rules.radial, rules.order, rules.beta)
+        radius = usual_reach(body, order) if self.radius is None else self.radius
+        demand = core.FrontDemand(max(radius, rules.radius), rules.along, rules.angular, rules.radial, rules.order, rules.beta)
         return core.FrontSpec([constants_at(body, own or UNKNOWN, front) for front in range(len(body.fronts))], demand)
 
 
@@ -142,7 +148,7 @@ class SolidFESpace(Described, core.SolidFESpace):
                 flags[name] = joined_names(pattern)
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
         has_modes = front is not None and len(body.fronts) > 0
-        super().__init__(body, front.Spec(body, material) if front is not None and has_modes else None, order=order, **flags)
+        super().__init__(body, front.Spec(body, order, material) if front is not None and has_modes else None, order=order, **flags)
         self.material, self.share = material, Share(mesh=body.mesh)  # of one process: several refuse bodies in space
         warn_of_left_out(self)
         warn_of_coarse_sheets(body, has_modes)
@@ -200,6 +206,13 @@ class SolidFESpace(Described, core.SolidFESpace):
         of_core, material, undecided = state
         super().__setstate__(of_core)
         self.material, self.undecided, self.share = material, undecided, Share(mesh=self.body.mesh)
+
+
+def usual_reach(body: CrackedSolid, order: int) -> float:
+    """How far from a front there are modes if nothing is said: polynomials of order 1 need them where K is read."""
+    if order > 1 or not all(sheet.planar for sheet in body.cracks):
+        return 0.0
+    return REACH * min(size_at_front(body, number) for number in range(len(body.fronts)))
 
 
 def warn_of_left_out(V: SolidFESpace) -> None:

@@ -96,8 +96,10 @@ class TraceSpace(Described, core.TraceSpace):
         return [nodes.arclengths[nodes.cracks == c] for c in range(len(self.body.cracks))]
 
 
-def on_sheets(body: CrackedSolid, order: int = 0, basis: str = "nodal", nodes: Any = None) -> SheetTraceSpace | LinearSheetTraceSpace:
-    """The multipliers of a body in space. Raises ValueError for an order other than 0 and 1, another basis, and nodes."""
+def on_sheets(body: CrackedSolid, order: int = 0, basis: str = "nodal", nodes: Any = None, **others: Any) -> SheetTraceSpace | LinearSheetTraceSpace:
+    """The multipliers of a body in space. Raises ValueError for an order other than 0 and 1, another basis, and nodes; TypeError for other arguments."""
+    if others:
+        raise TypeError(f"TraceSpace: there is no argument {next(iter(others))!r}; it takes body and order, in the plane also basis and nodes")
     if basis != "nodal" or nodes is not None:
         raise ValueError("TraceSpace: basis= and nodes= are there for bodies in the plane; in space the mesh gives the nodes")
     if order == 0:

@@ -13,7 +13,7 @@ from ngsxfem_contact.errors import SingularSystem
 from ngsxfem_contact.exact.pennies import closed_penny, partially_closed, penny, penny_in_tension
 from ngsxfem_contact.exact.space_forms import stress_matrix, uniform_stress
 from ngsxfem_contact.geometry import FrontDemand, Sheet
-from ngsxfem_contact.spaces import FrontEnrichment, SheetTraceSpace, SolidFESpace
+from ngsxfem_contact.spaces import FrontEnrichment, Interpolant, SheetTraceSpace, SolidFESpace
 from tests.sheets.exact_sheets import cube_mesh
 
 pytestmark = pytest.mark.filterwarnings("ignore:CrackFESpace. .* nodes around fronts have no modes")
@@ -249,6 +249,9 @@ def test_what_is_not_there_in_space():
         V.TestFunction(),
         [
             (lambda: TraceSpace(body, order=2), ValueError, "take 0, one constant for each element"),
+            (lambda: TraceSpace(body, degree=1), TypeError, "there is no argument 'degree'; it takes body and order"),
+            (lambda: Interpolant(V, CF((0, 0, 0)), tips=[(1, 0)]), ValueError, "Interpolant: tips= .*plane bodies only"),
+            (lambda: problem.f.__iadd__(v[2](0.5, 0.5, 0.9)), ValueError, "distribute the force over a part of the body or of its boundary"),
             (lambda: ContactProblem(V, W, stabilisation=Nitsche()), ValueError, "there for plane bodies only; take BarbosaHughes"),
             (lambda: ContactProblem(V, W, Elasticity.PlaneStrain(E=1, nu=0.3)), ValueError, "is another one than|is a material of the plane"),
             (lambda: ContactProblem(CrackFESpace(body, front=None), W, Elasticity.Solid(E=1, nu=0.49)), ValueError, "nearly incompressible"),
