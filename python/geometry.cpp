@@ -269,5 +269,11 @@ void ExportGeometry (py::module & m)
   ExportCrackedMesh(m);
   m.def("ElementsBeside", [] (const MeshAccess & mesh, const Crack & crack) { return ElementsBeside(mesh, crack); }, py::arg("mesh"), py::arg("crack"),
         "Numbers of the elements of a mesh that a crack may meet, by boxes around both.");
+  m.def("GlobalVertexNumbers", [] (const MeshAccess & mesh)
+        {
+          std::vector<size_t> numbers(mesh.GetNV());
+          for (size_t v = 0; v < numbers.size(); v++) numbers[v] = mesh.GetGlobalVertexNum(v);
+          return numbers;
+        }, py::arg("mesh"), "Of the vertices of a mesh that processes share their numbers in the whole mesh, on which all agree.");
   m.def("NumKeptRules", &NumKeptRules, py::arg("body"), "How many sets of rules of a body, for different disks around its tips, spaces, measures and forms keep.");
 }

@@ -12,7 +12,7 @@ from ..arguments import check_number, check_regions, check_type, check_whole
 from ..description import Described, numbered
 from ..errors import warn
 from ..material import Elasticity, Isotropic, check_form
-from ..share import Share
+from ..share import share_in
 from .flags import check_flags, joined_names
 from .resolution import warn_of_coarse_sheets, warn_of_thin_ligaments
 
@@ -54,6 +54,11 @@ class FrontEnrichment:
         check_type(self.material, Isotropic | None, "FrontEnrichment: material", "an Elasticity")
         check_type(self.rules, core.FrontDemand | None, "FrontEnrichment: rules", "a FrontDemand")
 
+    @property
+    def reach(self) -> float:
+        """Nodes nearer to a front have modes, whatever its elements are."""
+        return max(self.radius, self.rules.radius if self.rules else 0.0)
+
     def Spec(self, body: CrackedSolid, material: Isotropic | None) -> core.FrontSpec:
         """What the space needs to know.
 
@@ -73,7 +78,7 @@ class FrontEnrichment:
         if own is not None:
             check_form(own, body, "FrontEnrichment: material")
         rules = self.rules or core.FrontDemand()
-        demand = core.FrontDemand(max(self.radius, rules.radius), rules.along, rules.angular, rules.radial, rules.order, rules.beta)
+        demand = core.FrontDemand(self.reach, rules.along, rules.angular, rules.radial, rules.order, rules.beta)
         return core.FrontSpec([constants_at(body, own or UNKNOWN, front) for front in range(len(body.fronts))], demand)
 
 
@@ -141,9 +146,11 @@ class SolidFESpace(Described, core.SolidFESpace):
             if pattern:
                 flags[name] = joined_names(pattern)
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
+        share = share_in(body)
+        share.Refuse("FrontEnrichment(radius)", front is not None and front.reach > 0)
         has_modes = front is not None and len(body.fronts) > 0
         super().__init__(body, front.Spec(body, material) if front is not None and has_modes else None, order=order, **flags)
-        self.material, self.share = material, Share(mesh=body.mesh)  # of one process: several refuse bodies in space
+        self.material, self.share, self._body = material, share, body  # with its share
         warn_of_left_out(self)
         warn_of_coarse_sheets(body, has_modes)
         warn_of_thin_ligaments(body)
@@ -199,7 +206,7 @@ class SolidFESpace(Described, core.SolidFESpace):
     def __setstate__(self, state: Any) -> None:
         of_core, material, undecided = state
         super().__setstate__(of_core)
-        self.material, self.undecided, self.share = material, undecided, Share(mesh=self.body.mesh)
+        self.material, self.undecided, self.share = material, undecided, share_in(self.body)
 
 
 def warn_of_left_out(V: SolidFESpace) -> None:
