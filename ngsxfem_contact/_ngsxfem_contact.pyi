@@ -37,6 +37,7 @@ __all__: list[str] = [
     "FrontDemand",
     "FrontSpec",
     "FunctionOf",
+    "GlobalVertexNumbers",
     "GridFunctionOf",
     "HeightField",
     "InnerIntegrals",
@@ -1140,11 +1141,19 @@ def ElementMatrices(
 def ElementOrder(space: ngsolve.comp.FESpace) -> numpy.typing.NDArray[numpy.int32]:
     """The unknowns of a space of NGSolve, an array, in the order in which the elements name them first; those of no element are left out."""
 
+@typing.overload
 def ElementsBeside(mesh: ngsolve.comp.Mesh, crack: Crack) -> list[int]:
     """Numbers of the elements of a mesh that a crack may meet, by boxes around both."""
 
+@typing.overload
+def ElementsBeside(mesh: ngsolve.comp.Mesh, sheet: Sheet) -> list[int]:
+    """The same of a sheet, by its box and the heights of corners."""
+
 def FunctionOf(functional: ngsolve.fem.PointEvaluationFunctional) -> ngsolve.fem.CoefficientFunction:
     """The function v of an evaluation such as v(x, y)."""
+
+def GlobalVertexNumbers(mesh: ngsolve.comp.Mesh) -> list[int]:
+    """Of the vertices of a mesh that processes share their numbers in the whole mesh, on which all agree."""
 
 def GridFunctionOf(function: ngsolve.comp.GridFunctionCoefficientFunction) -> ngsolve.comp.GridFunction:
     """The GridFunction that a function such as Grad(u) or Jump(u) is an operator of."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import Mesh
+from ngsolve import BND, Mesh
 
 from .processes import Processes
 
@@ -65,8 +65,9 @@ class Curves:
     def Of(mesh: Mesh, processes: Processes) -> Curves:
         """Those of a mesh. Raises NotImplementedError for a geometry that cannot be sent to other processes."""
         order = int(processes.Max(mesh.GetCurveOrder()))  # that of a process without elements is 1
+        processes.Refuse("A curved mesh in space", order > 1 and mesh.dim == 3)
         if order == 1:
-            return Curves(1, np.zeros((len(mesh.ngmesh.Elements1D()), 5), dtype="<U32"))
+            return Curves(1, np.zeros((mesh.GetNE(BND), 5), dtype="<U32"))
         geometry = pickle.loads(processes.FromFirst(processes.Together(lambda: sent(mesh) if processes.is_first else b"")))
         text = saved(mesh.ngmesh)
         frame = next(other for other in processes.Gather(text if mesh.ne else None) if other)

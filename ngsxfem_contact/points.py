@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from ._ngsxfem_contact import CrackedMesh
 
 
+ROUND_OFF = 1e-12  # of barycentric coordinates
+
+
 def distance_to_segments(a: np.ndarray, b: np.ndarray, point: np.ndarray) -> float:
     """Of a point from the nearest of the segments from a to b, (n, 2) each; inf if there are none."""
     if len(a) == 0:
@@ -48,6 +51,32 @@ def reference_coordinates(mesh: Mesh, elements: np.ndarray, places: np.ndarray) 
     """xi, eta, zeta, (n, 3), of places (n, 3) in straight tetrahedra (n,)."""
     corners = np.array(mesh.ngmesh.Coordinates())[element_vertices(mesh)[elements]]
     return np.linalg.solve(np.swapaxes(corners[:, :3] - corners[:, 3:], 1, 2), (places - corners[:, 3])[..., None])[..., 0]
+
+
+def points_inside(mesh: Mesh, places: np.ndarray) -> np.ndarray:
+    """NGSolve's mesh points at places (n, 3), nr < 0 outside of the mesh, each in the tetrahedron that holds it but for round-off.
+
+    NGSolve takes the first one that it finds of those that hold it but for 1e-4 of their size, so that others would be taken if the mesh were numbered otherwise.
+    """
+    points, corners, at = mesh(*places.T), element_vertices(mesh), np.array(mesh.ngmesh.Coordinates())
+
+    def hats(element: int, place: np.ndarray) -> np.ndarray:
+        edges = at[corners[element]]
+        reference = np.linalg.solve((edges[:3] - edges[3]).T, place - edges[3])
+        return np.append(reference, 1 - reference.sum())
+
+    found = np.array([points["x"], points["y"], points["z"]])
+    for i in np.flatnonzero((points["nr"] >= 0) & (np.minimum(found.min(axis=0), 1 - found.sum(axis=0)) < -ROUND_OFF)):
+        element, here = int(points["nr"][i]), hats(int(points["nr"][i]), places[i])
+        while here.min() < -ROUND_OFF:
+            opposite = corners[element][here.argmin()]
+            faces = [face for face in mesh[ElementId(VOL, element)].faces if opposite not in [vertex.nr for vertex in mesh[face].vertices]]
+            behind = [other.nr for face in faces for other in mesh[face].elements if other.nr != element]
+            if not behind or (there := hats(behind[0], places[i])).min() <= here.min():
+                break
+            element, here = behind[0], there
+        points["nr"][i], points["x"][i], points["y"][i], points["z"][i] = element, *here[:3]
+    return points
 
 
 def boundary_points(mesh: Mesh, elements: np.ndarray, *reference: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from ngsolve import Mesh
 
 from ._ngsxfem_contact import Crack, CrackedMesh, CrackedSolid, Sheet
 from .arguments import check_number, check_positive, check_type
-from .processes import Processes
+from .share import share_of
 
 # Annotations are values here: tools/stubs.py reads them.
 Vector: TypeAlias = Sequence[float]
@@ -222,10 +222,12 @@ def body_in_space(mesh: Any, cracks: Sequence[Any]) -> CrackedSolid | None:
         return None
     for sheet in cracks:
         check_type(sheet, Sheet, "CrackedMesh: crack", "a Sheet, but the mesh has dimension 3; give sheets one by one, a list as CrackedMesh(mesh, *sheets)")
-    if not mesh.ne:
+    share = share_of(mesh, cracks)
+    if not share.mesh.ne:
         raise ValueError("CrackedMesh: the mesh has no tetrahedra, its surface alone; let Netgen mesh the volume, too")
-    Processes.Of(mesh, "CrackedMesh").Refuse("A body in space")
-    return CrackedSolid(mesh, list(cracks))
+    body = CrackedSolid(share.mesh, list(cracks))
+    body.share = share  # type: ignore[attr-defined]
+    return body
 
 
 def check_plane(body: Any, what: str, error: type[Exception] = ValueError) -> None:

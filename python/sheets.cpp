@@ -226,7 +226,7 @@ static void ExportSolid (py::module & m)
 {
   using Solid = CrackedSolid;
   using Body = shared_ptr<CrackedSolid>;
-  py::class_<Solid, Body>(m, "CrackedSolid", "What CrackedMesh(mesh, sheet, ...) makes of a mesh of tetrahedra: the body with its sheets, with the measures dx, ds, dcrack and dlarger as in the plane.")
+  py::class_<Solid, Body>(m, "CrackedSolid", py::dynamic_attr(), "What CrackedMesh(mesh, sheet, ...) makes of a mesh of tetrahedra: the body with its sheets, with the measures dx, ds, dcrack and dlarger as in the plane.")
     .def(py::init(&MakeSolid), py::arg("mesh"), py::arg("sheets"))
     .def_property_readonly("mesh", &Solid::GetMesh, "The mesh of NGSolve.")
     .def_property_readonly("cracks", &Solid::Sheets, "The Sheets, in the order in which they were given.")
@@ -287,4 +287,6 @@ void ExportSheets (py::module & m)
   ExportFront(m);
   ExportCutTet(m);
   ExportSolid(m);
+  m.def("ElementsBeside", [] (const MeshAccess & mesh, const Sheet & sheet) { return ElementsBeside(mesh, sheet); }, py::arg("mesh"), py::arg("sheet"),
+        "The same of a sheet, by its box and the heights of corners.");
 }

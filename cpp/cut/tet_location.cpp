@@ -11,7 +11,7 @@ namespace ngsxfem_contact
   SheetLocation :: SheetLocation (const MeshAccess & amesh, const Sheet & asheet, size_t anumber)
     : mesh(amesh), sheet(asheet), number(anumber), inside_body(sheet.Loops().size()), on_boundary(sheet.Loops().size())
   {
-    auto beside = ElementsBeside();
+    auto beside = ElementsBeside(mesh, sheet);
     FindHeights(beside);
     for (auto element : beside) LocateElement(element);
     if (cells.empty()) Refuse("lies outside of the body: no element is cut by it", sheet.PointAt(sheet.Loops()[0].Points()[0]));
@@ -22,27 +22,35 @@ namespace ngsxfem_contact
   void SheetLocation :: Refuse (const string & what, Point3 where) const
   { throw Exception("CrackedMesh: sheet " + std::to_string(number) + " " + what + ", near " + ToString(where)); }
 
-  std::vector<size_t> SheetLocation :: ElementsBeside () const
+  std::vector<size_t> ElementsBeside (const MeshAccess & mesh, const Sheet & sheet)
   {
     auto [lo, hi] = sheet.Bounds();
     std::vector<size_t> beside;
+    std::map<size_t, double> heights;
     double margin = 1e-8*sheet.Size();
+    auto height = [&] (size_t v)
+    {
+      auto [it, isnew] = heights.insert({ v, 0 });
+      if (isnew) it->second = sheet.GetPlane().Height(sheet.Flat(mesh.GetPoint<3>(v)));
+      return it->second;
+    };
+    auto meets = [&] (auto vertices, auto && value, double from, double to)
+    {
+      double least = std::numeric_limits<double>::infinity(), most = -least;
+      for (auto v : vertices)
+        {
+          double x = value(v);
+          least = std::min(least, x);
+          most = std::max(most, x);
+        }
+      return most >= from-margin && least <= to+margin;
+    };
     for (size_t i = 0; i < mesh.GetNE(VOL); i++)
       {
         auto vertices = mesh.GetElement(ElementId(VOL, i)).Vertices();
-        bool meets = true;
-        for (int k = 0; k < 3 && meets; k++)
-          {
-            double least = std::numeric_limits<double>::infinity(), most = -least;
-            for (auto v : vertices)
-              {
-                double x = mesh.GetPoint<3>(v)(k);
-                least = std::min(least, x);
-                most = std::max(most, x);
-              }
-            meets = most >= lo(k)-margin && least <= hi(k)+margin;
-          }
-        if (meets) beside.push_back(i);
+        bool in_box = true;
+        for (int k = 0; k < 3 && in_box; k++) in_box = meets(vertices, [&] (size_t v) { return mesh.GetPoint<3>(v)(k); }, lo(k), hi(k));
+        if (in_box && meets(vertices, height, 0, 0)) beside.push_back(i);
       }
     return beside;
   }

@@ -44,7 +44,7 @@ namespace ngsxfem_contact
     const MeshAccess & mesh;
     const Sheet & sheet;
     size_t number;
-    double tolerance;                            // in the plane: geometric_tolerance × the shortest edge of the elements beside the sheet
+    double tolerance;                            // in the plane: geometric_tolerance × the shortest edge of ElementsBeside
     std::map<size_t, double> height;             // by vertex, 0 on the plane
     std::map<size_t, Point3> flat;               // points by vertex
     std::map<TraceNode, Point> places;
@@ -69,7 +69,6 @@ namespace ngsxfem_contact
     double HeightOf (size_t vertex) const { return height.at(vertex); }
 
   private:
-    std::vector<size_t> ElementsBeside () const;
     void FindHeights (const std::vector<size_t> & beside);
     void LocateElement (size_t element);
     bool IsBent (const SheetCell & cell) const;
@@ -85,4 +84,7 @@ namespace ngsxfem_contact
     TraceNode NodeOf (const SheetCell & cell, const CutCorner & corner) const;
     std::vector<size_t> ElementsOf (const TraceSegment & segment) const;
   };
+
+  /// Elements that a sheet may meet: by a box around it, and the heights of their corners.
+  std::vector<size_t> ElementsBeside (const MeshAccess & mesh, const Sheet & sheet);
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
@@ -9,11 +10,12 @@ import numpy as np
 from ngsolve import IfPos
 
 from .. import _ngsxfem_contact as core
-from ..arguments import crack_number
+from ..arguments import check_item, crack_number
 from ..fracture.front_fields import FrontField
-from ..fracture.front_stress_intensity import COLUMNS, FrontFactors, front_factors
+from ..fracture.front_stress_intensity import COLUMNS, FrontFactors, curve_of, front_factors
 from ..fracture.given_stress import elements_near_fronts, stress_derivatives
 from ..operators import Gradient
+from ..share import AROUND
 from ..sheets import check_plane
 from ..tables import Table
 from .sheet_profile import SheetProfile, borders, sheet_profile
@@ -55,12 +57,24 @@ class SolidSolution(ContactSolution):
         ValueError
             For a front that is not there, a tube that does not fit, and a coefficient of the load that has changed since the solve.
         """
-        return front_factors(self.body, front_field(self), self.problem.material, front, radius, nodes)
+        return self._factors(front_field(self), front, radius, nodes)
+
+    def _factors(self, u: FrontField, front: int, radius: float | None = None, nodes: int | None = None) -> FrontFactors:
+        """Those of a front; of several processes that of the first, as a search may find another one of two elements beside a point."""
+        share = self.problem.V.share
+        check_item(front, self.body.fronts, "front", "body.fronts")
+        share.Refuse(
+            f"A tube with a radius of more than {AROUND} elements",
+            isinstance(radius, int | float) and radius > (1 + 1e-9) * AROUND * curve_of(self.body, front).h,
+        )
+        found = share.Together(lambda: front_factors(self.body, u, self.problem.material, front, radius, nodes))
+        of_first = share.FromFirst({one.name: getattr(found, one.name) for one in fields(found) if one.name != "body"})
+        return replace(found, **of_first)
 
     def Table(self, radius: float | None = None) -> Table:
         """K, G and their errors at the nodes of all fronts, a row for each node: see FrontFactors.table."""
-        field, material = front_field(self), self.problem.material
-        found = [front_factors(self.body, field, material, front, radius).columns for front in range(len(self.body.fronts))]
+        field = front_field(self)
+        found = [self._factors(field, front, radius).columns for front in range(len(self.body.fronts))]
         return Table.Of({name: np.concatenate([columns[name] for columns in found]) if found else np.zeros(0) for name in COLUMNS})
 
     def Profile(self, crack: int | str = 0) -> SheetProfile:  # type: ignore[override]

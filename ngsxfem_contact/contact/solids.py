@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from .. import _ngsxfem_contact as core
 from ..protocols import LawAtNodes, check_role
+from ..spaces.exchange import exchange_of
 from .disk_friction import DiskFriction, FrictionByCrack
 from .friction import Friction, Frictionless
 from .nodal_law import LawByCrack
@@ -88,4 +89,4 @@ def check_solid_size(V: core.SolidFESpace, W: Any, law: FaceLaw) -> None:
 
 def size_of(V: Any, W: Any, law: FaceLaw) -> tuple[int, int]:
     """Unknowns and multipliers, of all components."""
-    return V.ndof, W.ndof * len(law.components)
+    return exchange_of(V).Count(V.ndof), W.ndof * len(law.components)

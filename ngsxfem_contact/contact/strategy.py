@@ -59,7 +59,7 @@ def chosen_in_space(V: core.SolidFESpace, problem: ContactProblem) -> AssembledP
     if (N > CG_PAYS and is_available()) or too_large:
         try:
             return CondensedProblem(problem, f"{N} unknowns, {m} multipliers: factors would cost more")
-        except NotCondensed:
+        except (NotCondensed, NotImplementedError):
             if too_large:
                 raise
     return ReducedProblem(problem)

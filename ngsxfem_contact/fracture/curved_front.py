@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CF
 
+from ..points import points_inside
 from .extruded_tube import Places
 from .front_fields import LocalField, angular_functions, local_field, stress_of
 from .front_integral import FrontIntegrals, load, product, weight
@@ -86,7 +87,7 @@ class CurvedFrontIntegrals(FrontIntegrals):
         s = np.repeat(s, len(r) // len(s))
         x1, x2 = r * np.cos(theta), r * np.sin(theta)
         places = self.curve.tube.At(s, x1, x2)
-        at = self.curve.body.mesh(*places.points.T)
+        at = points_inside(self.curve.body.mesh, places.points)
         if (at["nr"] < 0).any():
             outside = tuple(float(c) for c in places.points[np.argmax(at["nr"] < 0)])
             raise ValueError(f"the tube of radius {self.radii[0]:.4g} around front {self.curve.number} leaves the body at {outside}; choose a smaller radius")

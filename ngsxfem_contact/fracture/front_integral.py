@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CF
 
+from ..points import points_inside
 from .front_fields import FrontField, LocalField, local_field, modes
 from .front_tube import points_on_sheet
 from .tip_fields import SIDE
@@ -109,7 +110,7 @@ class FrontIntegrals:
         frames, kappa = curve.Frames(s), curve.Curvatures(s)
         offset = (r * np.cos(theta))[:, None] * frames[:, None, 0] + (r * np.sin(theta))[:, None] * frames[:, None, 1]
         points = (curve.Points(s)[:, None] + offset).reshape(-1, 3)
-        at = curve.body.mesh(*points.T)
+        at = points_inside(curve.body.mesh, points)
         if (at["nr"] < 0).any():
             outside = tuple(float(c) for c in points[np.argmax(at["nr"] < 0)])
             raise ValueError(f"the tube of radius {self.radii[0]:.4g} around front {curve.number} leaves the body at {outside}; choose a smaller radius")

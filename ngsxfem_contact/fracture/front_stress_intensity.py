@@ -12,6 +12,7 @@ import numpy as np
 
 from .._ngsxfem_contact import CrackedSolid
 from ..arguments import check_item, check_positive, check_type, check_whole
+from ..share import AROUND
 from ..tables import Table
 from .curved_front import CurvedFrontIntegrals
 from .front_fields import FrontField
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from ..material import Elasticity, Isotropic
 
 RADII = (1, 0.75, 0.5)  # of the tubes that are compared, relative to the largest
-LARGEST, LEAST = 4, 1  # radius over h
+LARGEST, LEAST = AROUND, 1  # radius over h
 WORTH = 1.5  # reach over h, from which on tubes keep within it
 SPACING = 2  # between nodes, over h
 SPREAD, ROUGH = 3, 2  # times the change over radii, and that by smoothing: found by benchmarks/fronts.py

@@ -13,7 +13,7 @@ import numpy as np
 from ngsolve import VOL, ElementId
 
 from ..material import Isotropic
-from ..points import place
+from ..points import place, points_inside
 from ..spaces.resolution import size_at_front
 from .extruded_tube import ExtrudedTube
 
@@ -298,7 +298,7 @@ class Room:
 def points_on_sheet(body: CrackedSolid, crack: int, points: np.ndarray) -> np.ndarray:
     """Mesh points at points (n, 3) of a sheet, in the elements that carry it: of two beside a face on the sheet it is one."""
     mesh = body.mesh
-    at = mesh(*points.T)
+    at = points_inside(mesh, points)
     carriers = np.array([cell.element for cell in body.Elements(crack)])
     elsewhere = np.flatnonzero(~np.isin(at["nr"], carriers))
     if len(elsewhere):

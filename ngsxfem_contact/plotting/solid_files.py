@@ -24,6 +24,8 @@ from .solid_picture import SolidPicture
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from ..share import Share
+
 STRESSES = {"stress_xx": (0, 0), "stress_yy": (1, 1), "stress_zz": (2, 2), "stress_xy": (0, 1), "stress_yz": (1, 2), "stress_xz": (0, 2)}
 STATES = {"open": 0, "contact": 1, "stick": 1, "slip": 2}
 LINE, POLYGON, TETRAHEDRON, QUADRATIC_TETRAHEDRON = 3, 7, 10, 24  # VTK's numbers of cells
@@ -44,10 +46,11 @@ class Grid:
 
 @saved_vtk.register(CrackedSolid)
 def saved_solid(body: CrackedSolid, solution: Any, path: Path, factors: Sequence[Any]) -> str:
-    """Three files, all or none: of the body, and beside it of its sheets and fronts, whose names end in _sheets and _fronts. The name of the first."""
+    """Three files, all or none: of the body, and beside it of its sheets and fronts, whose names end in _sheets and _fronts. The name of the first. The first process writes."""
+    share = solution.problem.V.share
     beside = {part: path.with_name(f"{path.stem}_{part}.vtu") for part in ("sheets", "fronts")}
     grids = {path: body_data(solution), beside["sheets"]: sheet_data(solution)} | ({beside["fronts"]: front_data(body, factors)} if body.fronts else {})
-    write_all([(name, vtu_writer(grid), END) for name, grid in grids.items()])
+    share.Together(lambda: write_all([(name, vtu_writer(grid), END) for name, grid in grids.items()]) if share.is_first else None)
     return str(path)
 
 
@@ -62,7 +65,20 @@ def body_data(solution: Any) -> Grid:
         points, u = np.concatenate([points, points[edges].mean(axis=1)]), np.concatenate([u, picture.at_edges])
     values = split.EvaluateCentres(CF((solution.VonMises(), *(stress[i, j] for i, j in STRESSES.values()))))
     of_cells = dict(zip(("von_mises", *STRESSES), values.T)) | {"side": split.side, "region": element_regions(solution.body.mesh)[split.element]}
-    return Grid(points, list(cells), TETRAHEDRON if picture.at_edges is None else QUADRATIC_TETRAHEDRON, {"displacement": u}, of_cells)
+    share = solution.problem.V.share
+    return of_all(share, share.IsOwn(split.element), points, cells, u, of_cells)
+
+
+def of_all(share: Share, own: np.ndarray, points: np.ndarray, cells: np.ndarray, u: np.ndarray, of_cells: dict[str, np.ndarray]) -> Grid:
+    """The Grid of the tetrahedra that processes own, on the first one; points between processes are there once for each of them."""
+    used, numbers = np.unique(cells[own], return_inverse=True)
+    mine = points[used], u[used], numbers.reshape(-1, cells.shape[1]), {name: values[own] for name, values in of_cells.items()}
+    rows = share.AtFirst(mine) or [mine]
+    starts = np.cumsum([0, *(len(of_one[0]) for of_one in rows)])
+    points, u = (np.concatenate([of_one[k] for of_one in rows]) for k in (0, 1))
+    cells = np.concatenate([of_one[2] + start for of_one, start in zip(rows, starts)])
+    of_cells = {name: np.concatenate([of_one[3][name] for of_one in rows]) for name in of_cells}
+    return Grid(points, list(cells), TETRAHEDRON if cells.shape[1] == 4 else QUADRATIC_TETRAHEDRON, {"displacement": u}, of_cells)
 
 
 def sheet_data(solution: Any) -> Grid:

@@ -37,6 +37,7 @@ def usual_scale_of_solid(body: CrackedSolid, solution: Any) -> float:
 @scene.register(CrackedSolid)
 def scene_of_solid(body: CrackedSolid, solution: Any, field: CoefficientFunction | None, scale: float | None, options: dict[str, Any]) -> Any:
     """See draw."""
+    solution.problem.V.share.Refuse("A picture of a body in space")
     from ngsolve.webgui import Draw
 
     picture = SolidPicture(solution)
@@ -122,6 +123,7 @@ def euler_angles(elevation: float, azimuth: float) -> list[float]:
 @body_plot.register(CrackedSolid)
 def body_plot_of_solid(body: CrackedSolid, solution: Any, ax: Any, scale: float | None, field: CoefficientFunction | None, label: str, cut: Any) -> Any:
     """See plot_body."""
+    solution.problem.V.share.Refuse("A picture of a body in space")
     from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
     picture = SolidPicture(solution)

@@ -94,16 +94,17 @@ def parts_joined_by_facets(corners: np.ndarray, copies: int) -> tuple[int, np.nd
 
 
 def joined(share: Share, copies: VertexCopies, parts: int, labels: np.ndarray) -> tuple[int, np.ndarray]:
-    """(number, labels) of the parts of the whole body, of those that each process sees: they are one where processes hold the same part of an element, or meet at an edge."""
+    """(number, labels) of the parts of the whole body, of those that each process sees: they are one where processes hold the same part of an element, or meet at a facet."""
     if not share.several:
         return parts, labels
     everywhere, corners = share.everywhere[copies.element], share.vertices[copies.vertex[copies.corners]]
-    pairs = corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    at_others = (share.own[copies.element] & ~everywhere).repeat(3) & np.isin(pairs, share.vertices[share.interface]).all(axis=1)
-    names = [(*edge, -1) for edge in np.sort(pairs[at_others], axis=1).tolist()]
+    n = corners.shape[1]
+    facets = np.stack([np.delete(corners, k, axis=1) for k in range(n)], axis=1).reshape(-1, n - 1)
+    at_others = (share.own[copies.element] & ~everywhere).repeat(n) & np.isin(facets, share.vertices[share.interface]).all(axis=1)
+    names = [(*facet, -1) for facet in np.sort(facets[at_others], axis=1).tolist()]
     held = share.elements[copies.element[everywhere]].tolist()
     names += [(element, part, -2) for element, part in zip(held, number_of_repeat(held))]
-    own = np.concatenate([labels.repeat(3)[at_others], labels[everywhere]]).tolist()
+    own = np.concatenate([labels.repeat(n)[at_others], labels[everywhere]]).tolist()
     of_all = share.Gather((parts, names, own))
     first = np.concatenate([[0], np.cumsum([number for number, _, _ in of_all])])
     known: dict[tuple[int, ...], int] = {}

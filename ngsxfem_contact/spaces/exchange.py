@@ -1,4 +1,4 @@
-"""Which unknowns of V_h processes share: those of nodes that several hold, and those of tips."""
+"""Which unknowns of V_h processes share: those of nodes that several hold, those of tips, and those of nodes around fronts."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CELL, EDGE, H1, VERTEX, VOL, ElementId, NodeId
 
+from ..points import element_vertices
 from ..processes import Exchange
 from .keys import copies_of
 from .unknowns import Unknowns, scalar_flags
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from ..share import Share
     from .crack_fespace import CrackFESpace
 
-TIP = 3  # beside the kinds of nodes
+TIP, FRONT = 3, 4  # beside the kinds of nodes
 
 
 def exchange_of(V: CrackFESpace) -> Exchange:
@@ -74,27 +75,30 @@ def keys_of(V: CrackFESpace, share: Share) -> tuple[np.ndarray, np.ndarray]:
     copies = copies_of(enriched)
     rows, owned = [], []
     for functions, copy in ((np.arange(unknowns.functions), np.zeros(unknowns.functions, dtype=int)), (enriched, copies)):
-        for component in range(2):
+        for component in range(unknowns.components):
             rows.append(np.column_stack([scalar[functions], copy, np.full(len(functions), component)]))
             owned.append(owned_scalar[functions])
     tips = unknowns.tips
     rows.append(np.column_stack([np.full(len(tips), TIP), np.arange(len(tips)), *np.zeros((5, len(tips)), dtype=int)]))
     owned.append(np.full(len(tips), share.comm.rank == share.comm.size - 1))
+    nodes = np.array(getattr(V, "front_nodes", ()), dtype=int).reshape(-1, 2)  # vertex, front
+    modes = (V.ndof - unknowns.regular.stop - len(tips)) // max(len(nodes), 1)
+    vertices, numbers = nodes[:, 0].repeat(modes), np.tile(np.arange(modes), len(nodes))
+    rows.append(np.column_stack([np.full(len(vertices), FRONT), share.vertices[vertices], numbers, *np.zeros((4, len(vertices)), dtype=int)]))
+    owned.append(own_vertices(share)[vertices])
     return np.concatenate(rows), np.concatenate(owned)
 
 
 def keys_of_functions(V: CrackFESpace, share: Share) -> Iterator[tuple[int, tuple[int, ...], bool]]:
     """(φ_i, key, whether own elements have it) for those that others may hold."""
     mesh, scalar = share.mesh, V.scalar_space
-    corners = mesh.ngmesh.Elements2D().NumPy()["nodes"][:, :3].astype(int) - 1
+    corners, own_vertex = element_vertices(mesh), own_vertices(share)
     may = share.interface.copy()
     may[np.unique(corners[share.everywhere])] = True
-    own_vertex = np.zeros(mesh.nv, dtype=bool)
-    own_vertex[np.unique(corners[share.own])] = True
     nodes: dict[tuple[Any, int], tuple[tuple[int, int], bool]] = {}
     for vertex in np.flatnonzero(may).tolist():
         nodes[VERTEX, vertex] = (int(share.vertices[vertex]), 0), bool(own_vertex[vertex])
-    for element in np.flatnonzero(may[corners].sum(axis=1) > 1).tolist():
+    for element in np.flatnonzero(may[corners].sum(axis=1) > 1).tolist() if scalar.ndof > mesh.nv else ():
         own, at = bool(share.own[element]), mesh[ElementId(VOL, element)]
         for edge in at.edges:
             a, b = sorted(int(share.vertices[vertex.nr]) for vertex in mesh[edge].vertices)
@@ -104,3 +108,10 @@ def keys_of_functions(V: CrackFESpace, share: Share) -> Iterator[tuple[int, tupl
     for (kind, number), (key, own) in nodes.items():
         for k, dof in enumerate(scalar.GetDofNrs(NodeId(kind, number))):
             yield dof, ((VERTEX, EDGE, CELL).index(kind), *key, k, 0), own
+
+
+def own_vertices(share: Share) -> np.ndarray:
+    """(nv,), whether own elements have a vertex."""
+    own = np.zeros(share.mesh.nv, dtype=bool)
+    own[np.unique(element_vertices(share.mesh)[share.own])] = True
+    return own

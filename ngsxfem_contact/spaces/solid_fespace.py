@@ -12,7 +12,7 @@ from ..arguments import check_number, check_regions, check_type, check_whole
 from ..description import Described, numbered
 from ..errors import warn
 from ..material import Elasticity, Isotropic, check_form
-from ..share import Share
+from ..share import share_in
 from .flags import check_flags, joined_names
 from .resolution import size_at_front, warn_of_coarse_sheets, warn_of_thin_ligaments
 
@@ -57,6 +57,14 @@ class FrontEnrichment:
         check_type(self.material, Isotropic | None, "FrontEnrichment: material", "an Elasticity")
         check_type(self.rules, core.FrontDemand | None, "FrontEnrichment: rules", "a FrontDemand")
 
+    def AsksForMore(self) -> bool:
+        """Whether more nodes may have modes than by default."""
+        return bool(self.radius) or (self.rules is not None and self.rules.radius > 0)
+
+    def Reach(self, body: CrackedSolid, order: int) -> float:
+        """Nodes nearer to a front have modes, whatever its elements are."""
+        return max(usual_reach(body, order) if self.radius is None else self.radius, self.rules.radius if self.rules else 0.0)
+
     def Spec(self, body: CrackedSolid, order: int, material: Isotropic | None) -> core.FrontSpec:
         """What the space needs to know.
 
@@ -78,8 +86,7 @@ class FrontEnrichment:
         if own is not None:
             check_form(own, body, "FrontEnrichment: material")
         rules = self.rules or core.FrontDemand()
-        radius = usual_reach(body, order) if self.radius is None else self.radius
-        demand = core.FrontDemand(max(radius, rules.radius), rules.along, rules.angular, rules.radial, rules.order, rules.beta)
+        demand = core.FrontDemand(self.Reach(body, order), rules.along, rules.angular, rules.radial, rules.order, rules.beta)
         return core.FrontSpec([constants_at(body, own or UNKNOWN, front) for front in range(len(body.fronts))], demand)
 
 
@@ -147,9 +154,12 @@ class SolidFESpace(Described, core.SolidFESpace):
             if pattern:
                 flags[name] = joined_names(pattern)
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
+        share = share_in(body)
         has_modes = front is not None and len(body.fronts) > 0
+        is_far = front is not None and has_modes and front.AsksForMore() and front.Reach(body, order) > (1 + 1e-9) * REACH * least_size(body)
+        share.Refuse(f"FrontEnrichment(radius) of more than {REACH} elements", is_far)
         super().__init__(body, front.Spec(body, order, material) if front is not None and has_modes else None, order=order, **flags)
-        self.material, self.share = material, Share(mesh=body.mesh)  # of one process: several refuse bodies in space
+        self.material, self.share, self._body = material, share, body  # with its share
         warn_of_left_out(self)
         warn_of_coarse_sheets(body, has_modes)
         warn_of_thin_ligaments(body)
@@ -205,14 +215,19 @@ class SolidFESpace(Described, core.SolidFESpace):
     def __setstate__(self, state: Any) -> None:
         of_core, material, undecided = state
         super().__setstate__(of_core)
-        self.material, self.undecided, self.share = material, undecided, Share(mesh=self.body.mesh)
+        self.material, self.undecided, self.share = material, undecided, share_in(self.body)
 
 
 def usual_reach(body: CrackedSolid, order: int) -> float:
     """How far from a front there are modes if nothing is said: polynomials of order 1 need them where K is read."""
     if order > 1 or not all(sheet.planar for sheet in body.cracks):
         return 0.0
-    return REACH * min(size_at_front(body, number) for number in range(len(body.fronts)))
+    return REACH * least_size(body)
+
+
+def least_size(body: CrackedSolid) -> float:
+    """Of the elements at fronts, where they are shortest."""
+    return min((size_at_front(body, number) for number in range(len(body.fronts))), default=0.0)
 
 
 def warn_of_left_out(V: SolidFESpace) -> None:

@@ -8,9 +8,11 @@ import matplotlib
 import numpy as np
 import pytest
 from mpi4py import MPI
+from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry, unit_square
 from netgen.occ import Circle, OCCGeometry
-from ngsolve import CF, H1, GridFunction, IfPos, Integrate, Interpolate, Mesh, ds, dx, sqrt, x, y
+from netgen.occ import Sphere as OccSphere
+from ngsolve import CF, H1, GridFunction, IfPos, Integrate, Interpolate, Mesh, ds, dx, sqrt, x, y, z
 
 from ngsxfem_contact import BarbosaHughes, ContactProblem, ContactSolution, Crack, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 from ngsxfem_contact.algebra.multigrid import is_available
@@ -24,6 +26,8 @@ from ngsxfem_contact.plotting import plot_body, plot_mesh
 from ngsxfem_contact.plotting.picture import Picture
 from ngsxfem_contact.plotting.plots import animate, split_displacement
 from ngsxfem_contact.processes import DistributedMesh, alone, together
+from ngsxfem_contact.sheets import Sheet
+from ngsxfem_contact.spaces import FrontEnrichment
 from ngsxfem_contact.spaces.exchange import exchange_of
 
 COMM = MPI.COMM_WORLD
@@ -151,6 +155,33 @@ def saved_traces(folder):
             ContactProblem(V, TraceSpace(body, order=2, basis="trace")).Solve().Save(path)
     COMM.barrier()
     return path
+def what_is_not_supported_in_space_is_refused():
+    """In the same way."""
+    if COMM.size == 1:
+        return
+    words = "not supported by several processes"
+    make = lambda: unit_cube.GenerateMesh(maxh=0.3)
+    sheet = Sheet.Polygon([(-1, -1, 0.47), (0.5, -1, 0.53), (0.5, 2, 0.53), (-1, 2, 0.47)])
+    body = CrackedMesh(DistributedMesh(make), sheet)
+    V = CrackFESpace(body, material=Elasticity.Solid(E=210e3, nu=0.3), dirichlet="bottom")
+    problem = ContactProblem(V, TraceSpace(body, order=0))
+    problem.f += CF((0, 0, 1)) * V.TestFunction() * body.ds("top")
+    solution = problem.Solve()
+    of_round = DistributedMesh(lambda: OCCGeometry(OccSphere((0, 0, 0), 1)).GenerateMesh(maxh=0.7))
+    of_round.Curve(2)
+    for action in (
+        lambda: CrackFESpace(body, front=FrontEnrichment(radius=2.0)),
+        lambda: problem.Solve(inverse="cg"),
+        lambda: solution.StressIntensity(radius=3.0),
+        lambda: solution.Save("body.solution"),
+        lambda: solution.Draw(),
+        lambda: plot_body(solution),
+        lambda: CrackedMesh(of_round, Sheet.Disk((0, 0, 0), (0, 0, 1), 0.5)),
+    ):
+        refused(action, NotImplementedError, words)
+    refused(lambda: CrackedMesh(DistributedMesh(make), Sheet.Disk((3, 3, 3), (0, 0, 1), 0.5)), Exception, "lies outside of the body")
+    points = np.unique(np.concatenate(COMM.allgather(body.mesh.ngmesh.Coordinates())), axis=0)
+    assert body.share.AtPoints(points, CF((x, y, z))) == pytest.approx(points, abs=1e-14)
 
 
 def curved_elements():
@@ -279,6 +310,7 @@ CASES = [
     errors_are_raised_on_all,
     a_mesh_of_each_process_is_refused,
     what_is_not_supported_is_refused,
+    what_is_not_supported_in_space_is_refused,
     conjugate_gradients_are_chosen,
     what_is_wrong_is_refused_on_all,
     what_cannot_be_saved_or_read_is_refused_on_all,

@@ -50,9 +50,9 @@ def test_an_error_of_one_process_ends_all():
     assert done.returncode not in (0, 124) and "of one process" in done.stderr
 
 
-def solved(number, folder):
-    """{name: what this number of processes found} of the problems of solutions.py, in one run."""
-    done = run(number, HERE / "solutions.py", folder, seconds=1200)
+def solved(number, folder, script="solutions.py"):
+    """{name: what this number of processes found} of the problems of a script, in one run."""
+    done = run(number, HERE / script, folder, seconds=1200)
     assert done.returncode == 0, done.stdout + done.stderr
     return {path.stem: np.load(path) for path in sorted(folder.glob("*.npz"))}
 
@@ -175,6 +175,22 @@ def test_saved_solutions_are_read_by_other_numbers_of_processes(tmp_path):
                     if not value <= (GO_ON if " " in key or key == "grown" else 2e-12)
                 }
                 assert worst == {}
+@needs_mpi
+def test_bodies_in_space_as_one_process(tmp_path):
+    """The same in space, and the number of tetrahedra of the file."""
+    folders = {number: tmp_path / str(number) for number in (1, 3, 4)}
+    for folder in folders.values():
+        folder.mkdir()
+    found = {number: solved(number, folder, "solids.py") for number, folder in folders.items()}
+    one = found[1]
+    assert len(one) == 11 and "K" in one["edge"]
+    assert all(0 < one[name]["active"].sum() < len(one[name]["active"]) for name in ("bent", "slip", "along_faces", "regions", "curved"))
+    assert {"stick", "slip"} <= set(one["slip"]["words"])
+    cells = {number: re.search(rb'NumberOfCells="(\d+)"', (folder / "solid.vtu").read_bytes())[1] for number, folder in folders.items()}
+    assert len(set(cells.values())) == 1
+    for number in (3, 4):
+        assert found[number].keys() == one.keys()
+        assert [(number, name, *what) for name in one for what in differences(one[name], found[number][name])] == []
 
 
 SERIAL = """
