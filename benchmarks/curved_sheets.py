@@ -1,10 +1,11 @@
 """Curved sheets in space: geometry, contact beside the plane package, K beside a closed form, uniform pressure on random arcs.
 
-    python benchmarks/curved_sheets.py [geometry] [contact] [factors] [pressure] [--realisations 100]
+    python benchmarks/curved_sheets.py [geometry] [contact] [factors] [kinks] [pressure] [--realisations 100]
 
 geometry: an arc of radius 1.2 that is extruded through the unit cube, errors of its area and of the volume on one side. contact: a slab of thickness 0.15 between planes of symmetry, cracked by an
 extruded arc, order 1, beside the plane package with order 2 and edges of 0.04: pressure, jump in L² and energy, percent. factors: an open arc in a slab, order 2, beside the closed form of plane strain:
-the largest error of K_I and K_II, percent of K_I, at nodes between the ends, and at the ends. pressure: arcs through the cube at random places, angles and radii, in meshes with edges
+the largest error of K_I and K_II, percent of K_I, at nodes between the ends, and at the ends. kinks: extruded cracks with one kink through the unit cube, by the angle by which they turn: relative errors
+of the area, errors of the volume on one side. pressure: arcs through the cube at random places, angles and radii, in meshes with edges
 between 0.2 and 0.4 whose inner points are moved, under the stress -1: the largest |λ + 1|.
 """
 
@@ -20,6 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests"), str(ROOT / "tests" / "sheets")]
 
 from exact_sheets import cube_mesh  # noqa: E402
+from kinked_surfaces import along_z, area_and_volume, kinked  # noqa: E402
 from test_curved_sheets import volume_above  # noqa: E402
 
 from ngsxfem_contact import Coulomb, Crack, CrackedMesh  # noqa: E402
@@ -67,6 +69,20 @@ def factors(_):
         print(f"{maxh:6.2f}{solution.problem.V.ndof:8}{len(found.s):7}{inside[0]:8.2f}{inside[1]:8.2f}{ends[0]:9.2f}{ends[1]:8.2f}", flush=True)
 
 
+def kinks(_):
+    sizes, at, towards = (0.4, 0.28, 0.2, 0.14, 0.1), np.array([0.513, 0.487]), 0.3
+    print(f"{'turn':>6}{'':>9}" + "".join(f"{f'maxh={maxh}':>11}" for maxh in sizes) + f"{'order':>8}")
+    for degrees in (30, 60, 90, 120, 150):
+        area, volume = area_and_volume(at, towards, np.radians(degrees))
+        bodies = [CrackedMesh(cube_mesh(maxh), along_z(kinked(at, towards, np.radians(degrees)))) for maxh in sizes]
+        errors = {
+            "area": [abs(Integrate(1 * body.dcrack, body.mesh) / area - 1) for body in bodies],
+            "volume": [abs(volume_above(body) - volume) for body in bodies],
+        }
+        for name, values in errors.items():
+            print(f"{degrees:6}{name:>9}" + "".join(f"{value:11.1e}" for value in values) + f"{order_of(sizes, values):8.2f}", flush=True)
+
+
 def pressure(realisations):
     worst, refused, rng = [], 0, np.random.default_rng(1)
     for number in range(realisations):
@@ -86,7 +102,7 @@ def pressure(realisations):
 
 def main():
     warnings.simplefilter("ignore")
-    run_cases(__doc__, (geometry, contact, factors, pressure), 100)
+    run_cases(__doc__, (geometry, contact, factors, kinks, pressure), 100)
 
 
 if __name__ == "__main__":

@@ -536,7 +536,7 @@ class Sheet:
         x_axis: collections.abc.Sequence[float] | None = None,
         loops: collections.abc.Sequence[Crack] | None = None,
     ) -> Sheet:
-        """The surface that a smooth crack of a plane sweeps along its normal: a curved crack."""
+        """The surface that a crack of a plane sweeps along its normal: a curved crack, or one with kinks."""
 
     @staticmethod
     def FromFace(face: netgen.libngpy._NgOCC.Face, maxh: float) -> Sheet:

@@ -161,15 +161,15 @@ def polygon(points: Vectors) -> Sheet:
 
 
 def extrude(crack: Crack, direction: Vector, origin: Vector = (0, 0, 0), x_axis: Vector | None = None, loops: Sequence[Crack] | None = None) -> Sheet:
-    """The surface that a smooth crack of a plane sweeps along its normal: a curved crack.
+    """The surface that a crack of a plane sweeps along its normal: a curved crack, or one with kinks.
 
     The plane goes through the origin, normal to the direction; the crack's coordinates run along x_axis and direction × x_axis. The normal of the sheet is that of
-    the crack, from its minus to its plus side.
+    the crack, from its minus to its plus side. An element that a kink passes has one plane facet, which cuts its corner off (docs/method.md, section 21).
 
     Parameters
     ----------
     crack : Crack
-        Open and without kinks: a segment, arcs, a spline, joined smoothly. It goes on straight beyond its ends.
+        Open: a polyline, segments, arcs, splines. It goes on straight beyond its ends.
     direction : (x, y, z)
         By which it is moved: the sheet lies between the crack at the origin and the crack at origin + direction.
     origin : (x, y, z)
@@ -184,7 +184,7 @@ def extrude(crack: Crack, direction: Vector, origin: Vector = (0, 0, 0), x_axis:
     TypeError, ValueError
         For what is no crack, vectors that are none or zero, an x_axis that is not perpendicular to the direction.
     Exception
-        For a crack that is closed or has a kink, with the place, and for loops that Sheet refuses.
+        For a crack that is closed, and for loops that Sheet refuses. A body refuses fronts that pass a kink, as they do where the sheet ends inside the body along the direction.
     """
     check_type(crack, Crack, "Sheet.Extrude: crack", "a Crack of the plane")
     unit = checked_direction(direction, "Sheet.Extrude: direction")

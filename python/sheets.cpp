@@ -95,10 +95,10 @@ static void ExportSheet (py::module & m)
       "    Closed Cracks in the coordinates (p1, p2) of the plane, x = origin + p1 a1 + p2 a2: the outer curve first, then those of holes, in any direction of travel.\n"
       "origin\n    A point (x, y, z) of the plane.\naxes\n"
       "    Two directions (x, y, z), made perpendicular and of unit length.\ncurve\n"
-      "    A smooth open Crack in the plane of the axes. Then the loops are curves in the coordinates p1, the distance along a1 × a2, and p2, the arc length on the curve,\n"
-      "    which goes on straight beyond its ends.\nheights\n"
+      "    An open Crack in the plane of the axes. Then the loops are curves in the coordinates p1, the distance along a1 × a2, and p2, the arc length on the curve,\n"
+      "    which goes on straight beyond its ends. Fronts keep from its kinks.\nheights\n"
       "    A HeightField over the plane: the sheet lies at these heights over what the loops bound, and its normal is on the side of a1 × a2.\n\nRaises\n------\nException\n"
-      "    For loops that are not closed or meet each other, for holes that lie outside, for axes that are parallel, and for a curve that is closed or has a kink.\n\n"
+      "    For loops that are not closed or meet each other, for holes that lie outside, for axes that are parallel, and for a curve that is closed.\n\n"
       "Examples\n--------\n>>> square = Crack([(0, 0), (2, 0), (2, 2), (0, 2), (0, 0)])\n>>> sheet = Sheet([square], origin=(0, 0, 1))\n"
       ">>> sheet.normal, sheet.area\n((0.0, 0.0, 1.0), 4.0)")
     .def(py::init(&MakeSheet), py::arg("loops"), py::arg("origin") = Triple { 0, 0, 0 }, py::arg("axes") = std::array<Triple,2> { Triple { 1, 0, 0 }, Triple { 0, 1, 0 } }, py::arg("curve") = py::none(), py::arg("heights") = py::none())

@@ -180,12 +180,12 @@ namespace ngsxfem_contact
     return { normal, { first, second } };
   }
 
-  Tet CrackedSolid :: FlatTet (size_t sheet, size_t element) const
+  Tet CrackedSolid :: FlatTet (size_t sheet, size_t element, bool for_modes) const
   {
     Tet t = MeshParts<3>::TetOf(*mesh, element), flat = t;
     if (sheets[sheet].IsPlanar()) return t;
     for (auto & x : flat) x = sheets[sheet].Flat(x);
-    if (!IsFaithful(flat, t))
+    if (auto cut = Find(element); (!cut || cut->Sides().crack != sheet || for_modes) && !IsFaithful(flat, t))
       throw Exception("CrackedMesh: sheet " + std::to_string(sheet) + " bends too sharply for what surrounds its front, near " + ToString(Centre(t))
                       + "; refine the mesh there, or take a smaller radius of FrontEnrichment");
     return flat;

@@ -83,7 +83,8 @@ namespace ngsxfem_contact
     const std::vector<Sheet> & Sheets () const { return sheets; }
     /// The corners of an element, or of a boundary element, in the flat coordinates of a sheet, in NGSolve's order.
     /// Throws where these make another element: where a curved sheet is far away, or bends too sharply.
-    Tet FlatTet (size_t sheet, size_t element) const;
+    /// An element that a kink of the sheet passes has some, but none for modes.
+    Tet FlatTet (size_t sheet, size_t element, bool for_modes = false) const;
     std::array<Point3,3> FlatTriangle (size_t sheet, size_t bnd_element) const;
     const std::vector<Front> & Fronts () const { return fronts; }
     /// Throws for a number that is not below NumCracks().

@@ -39,22 +39,44 @@ namespace ngsxfem_contact
     virtual std::array<Point3,2> Bounds (Point lo, Point hi) const = 0;
     /// Of the coordinates that the surface is given in.
     virtual const Plane & GetPlane () const = 0;
+    /// Whether the surface in a tetrahedron is what flat coordinates, affine between those of its corners, say: flat are these of the corners of t.
+    virtual bool Represents (const Tet & t, const Tet & flat) const { return IsFaithful(flat, t); }
+    /// The values of p₂ at which it has a kink, ascending.
+    virtual std::vector<double> Kinks () const { return {}; }
   };
 
   /// X(p) = a curve of a plane at arc length p₂, moved by p₁ along the normal of the plane; n is that of the curve. Lengths and angles are those of the
-  /// coordinates, which are those of the nearest point: d = n, and |height| is the distance.
+  /// coordinates, which are those of the nearest point: d = n, and |height| is the distance. Smooth parts that meet at a kink go on straight to the plane that
+  /// bisects its angle, so that heights are continuous; near it p₂ is constant along the bisector.
   class ExtrudedCurve final : public Surface
   {
+    struct Kink
+    {
+      size_t point;                          // of the curve
+      Point at, along;                       // along: between the two tangents, normal to the plane that bisects the angle
+      double place, slope, reach;            // arc length, the tangent of half of the turn, how far coordinates are sheared
+    };
+    struct Foot { size_t part; double s, height; };
+
     Crack curve;
     Plane plane;
+    std::vector<Kink> kinks;
 
   public:
-    /// Throws for curves that are closed or have kinks.
+    /// Throws for curves that are closed.
     ExtrudedCurve (Crack acurve, Point3 origin, std::array<Point3,2> axes);
     const Crack & Curve () const { return curve; }
     const Plane & GetPlane () const override { return plane; }
     Point3 Flat (Point3 x) const override;
     Place At (Point p) const override;
     std::array<Point3,2> Bounds (Point lo, Point hi) const override;
+    bool Represents (const Tet & t, const Tet & flat) const override;
+    std::vector<double> Kinks () const override;
+
+  private:
+    /// On the smooth part that a point of the plane is nearest to.
+    Foot FootOf (Point q) const;
+    /// What is added to the arc length of the foot.
+    double Shear (Point q, const Foot & foot) const;
   };
 }

@@ -74,71 +74,6 @@ namespace ngsxfem_contact
       }
   }
 
-  void SheetLocation :: LocateElement (size_t element)
-  {
-    SheetCell cell { element, std::nullopt, ElementKind::Cut, {}, {}, {}, {}, {}, {}, {} };
-    auto vertices = mesh.GetElement(ElementId(VOL, element)).Vertices();
-    for (int i = 0; i < 4; i++) cell.corners[i] = vertices[i];
-    std::ranges::sort(cell.corners);
-    std::vector<CutCorner> on_plane;
-    for (int i = 0; i < 4; i++)
-      {
-        cell.tet[i] = flat.at(cell.corners[i]);
-        cell.in_space[i] = mesh.GetPoint<3>(cell.corners[i]);
-        cell.heights[i] = height.at(cell.corners[i]);
-        if (cell.heights[i] == 0) on_plane.push_back({ i, i, cell.tet[i] });
-      }
-    auto [lowest, highest] = std::ranges::minmax(cell.heights);
-    if ((lowest*highest < 0 || on_plane.size() > 1) && IsBent(cell))
-      {
-        if (!IsNear(cell)) return;
-        Refuse("bends too sharply for the elements there; refine the mesh until its radius of curvature is some elements", Centre(cell.in_space));
-      }
-    if (on_plane.size() == 4) Refuse("meets a flat element, whose four corners lie on its plane; mesh the body anew", Centre(cell.in_space));
-    if (auto corners = CutPolygon(cell.tet, cell.heights); !corners.empty())
-      AddCell(std::move(cell), corners);
-    else if (on_plane.size() == 2)
-      AddSegment(element, NodeOf(cell, on_plane[0]), NodeOf(cell, on_plane[1]));
-    else if (on_plane.size() == 3)
-      {
-        auto height = *std::ranges::find_if(cell.heights, [] (double d) { return d != 0; });
-        for (auto face : mesh.GetElement(ElementId(VOL, element)).Faces())
-          {
-            std::set<size_t> of_face;
-            for (auto v : mesh.GetFacePNums(face)) of_face.insert(v);
-            if (!std::ranges::all_of(on_plane, [&] (auto & corner) { return of_face.contains(cell.corners[corner.i]); })) continue;
-            Array<int> both;
-            mesh.GetFacetElements(face, both);
-            double here = Volume(cell.in_space), there = -1;
-            for (size_t other : both)
-              if (other != element)
-                {
-                  cell.neighbour = other;
-                  auto v = mesh.GetElement(ElementId(VOL, other)).Vertices();
-                  there = Volume({ mesh.GetPoint<3>(v[0]), mesh.GetPoint<3>(v[1]), mesh.GetPoint<3>(v[2]), mesh.GetPoint<3>(v[3]) });
-                }
-            bool equal = std::abs(here-there) <= 1e-8*(here+there);
-            if (equal ? height > 0 : here > there) AddCell(std::move(cell), on_plane);
-            return;
-          }
-      }
-  }
-
-  /// Whether the flat coordinates of the corners make another element than their points in space: the surface bends at the scale of the element, or the nearest points lie apart.
-  bool SheetLocation :: IsBent (const SheetCell & cell) const
-  { return !sheet.IsPlanar() && !IsFaithful(cell.tet, cell.in_space); }
-
-  /// Whether a corner is near to the sheet.
-  bool SheetLocation :: IsNear (const SheetCell & cell) const
-  {
-    double h = LongestEdge(cell.in_space);
-    return std::ranges::any_of(cell.tet, [&] (Point3 x)
-    {
-      Point p = sheet.GetPlane().Project(x);
-      return std::abs(sheet.GetPlane().Height(x)) <= h && (sheet.Contains(p) || sheet.Loops()[sheet.NearestLoop(p)].Nearest(p).distance <= h);
-    });
-  }
-
   TraceNode SheetLocation :: NodeOf (const SheetCell & cell, const CutCorner & corner) const
   { return { cell.corners[corner.i], cell.corners[corner.j] }; }
 
@@ -159,6 +94,8 @@ namespace ngsxfem_contact
     if (!enters && !sheet.Contains(centre)) return;
     if (aligned && !cell.neighbour)
       Refuse("runs along the boundary of the body; move it inside", sheet.PointAt(centre));
+    if (enters && !sheet.IsPlanar() && !sheet.GetSurface()->Kinks().empty() && !IsFaithful(cell.tet, cell.in_space))
+      Refuse("has a front nearer to a kink than an element; refine the mesh there", sheet.PointAt(centre));
     cell.kind = enters ? ElementKind::Tip : aligned ? ElementKind::Aligned : ElementKind::Cut;
     if (enters)
       {
@@ -338,6 +275,7 @@ namespace ngsxfem_contact
         if (around && ranges.size() == 1)
           {
             fronts.push_back(Front(number, l, sheet, loop));
+            CheckKinks(fronts.back());
             continue;
           }
         for (size_t i = around ? 1 : 0; i < ranges.size(); i++)
@@ -346,7 +284,25 @@ namespace ngsxfem_contact
             AppendStretch(loop, ranges[i].first, ranges[i].second, gap, pieces);
             if (around && i+1 == ranges.size()) AppendStretch(loop, ranges[0].first, ranges[0].second, gap, pieces);
             fronts.push_back(Front(number, l, sheet, Crack::Unchecked(pieces)));
+            CheckKinks(fronts.back());
             for (bool at_end : { false, true }) CheckEnd(fronts.back(), at_end);
+          }
+      }
+  }
+
+  /// A front keeps on one smooth part of the sheet, which is all that the elements that it passes have of it.
+  void SheetLocation :: CheckKinks (const Front & front) const
+  {
+    if (sheet.IsPlanar()) return;
+    for (double place : sheet.GetSurface()->Kinks())
+      {
+        auto points = front.Curve().Outline(0.2);
+        auto [first, last] = std::ranges::minmax(points, {}, [] (Point p) { return p(1); });
+        if (first(1) < place && last(1) > place)
+          {
+            auto there = std::ranges::min_element(points, {}, [place] (Point p) { return std::abs(p(1)-place); });
+            Refuse("has a front that passes a kink of the extruded crack, where p2 = " + Digits(place) + "; let the sheet go on through the body there, or round the kink by an arc",
+                   sheet.PointAt(Point((*there)(0), place)));
           }
       }
   }
@@ -358,6 +314,8 @@ namespace ngsxfem_contact
     Point p = front.Curve().PointAt(s);
     for (auto & [segment, normal] : boundary)
       if (Distance(p, places.at(segment[0]), places.at(segment[1])) <= 32*tolerance) steepest = std::max(steepest, std::abs(Dot(tangent, normal)));
+    if (steepest < 0 && !sheet.IsPlanar() && !sheet.GetSurface()->Kinks().empty())
+      Refuse("has a front nearer to a kink than an element; refine the mesh there", x);
     if (steepest < 0)
       Refuse("has a front that ends inside of the body, which is a fault of the program", x);
     if (steepest < sin(smallest_angle))

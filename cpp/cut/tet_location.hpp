@@ -73,6 +73,14 @@ namespace ngsxfem_contact
     void LocateElement (size_t element);
     bool IsBent (const SheetCell & cell) const;
     bool IsNear (const SheetCell & cell) const;
+    double HeightAt (Point3 x) const;
+    void LocateInsideKink (const SheetCell & cell, const std::vector<CutCorner> & corners);
+    void AddEdges (const SheetCell & cell, const std::vector<CutCorner> & corners);
+    std::optional<size_t> Across (const SheetCell & cell, const std::vector<CutCorner> & on_plane) const;
+    /// Whether a face on the plane parts the element from its neighbour, and which of the two carries it.
+    enum class FaceOnPlane { Here, There, Nowhere };
+    FaceOnPlane Carrier (const SheetCell & cell, double height) const;
+    void CheckKinks (const Front & front) const;
     void AddCell (SheetCell cell, const std::vector<CutCorner> & corners);
     void AddSegment (size_t element, TraceNode a, TraceNode b);
     void MeetLoops (SheetCell & cell);

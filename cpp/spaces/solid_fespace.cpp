@@ -147,7 +147,7 @@ namespace ngsxfem_contact
       if (body->Sheets()[sheet].IsPlanar()) return nullptr;
       auto & map = map_of[{ element, sheet }];
       if (!map)
-        map = &(vb == VOL ? flat_maps[vb].emplace_back(MeshParts<3>::TetOf(*ma, element), body->FlatTet(sheet, element))
+        map = &(vb == VOL ? flat_maps[vb].emplace_back(MeshParts<3>::TetOf(*ma, element), body->FlatTet(sheet, element, true))
                           : flat_maps[vb].emplace_back(MeshParts<3>::TriangleOf(*ma, element), body->FlatTriangle(sheet, element)));
       return map;
     };

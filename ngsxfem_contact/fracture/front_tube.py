@@ -177,17 +177,28 @@ class FrontCurve:
         at, directions = self.Flat(s)
         return np.array([self.sheet.PointAt(*p) for p in at + x1 * directions[:, 0]])
 
-    def Bends(self, s: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-        """Of the sheet nearer to C(s) than a radius: the largest curvature, and whether it jumps, (n,)."""
-        crack = self.sheet.curve
+    def Bends(self, s: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the sheet nearer to C(s) than a radius: the largest curvature, whether it jumps, and whether there is a kink or what lies behind one, (n,)."""
+        crack, none = self.sheet.curve, np.zeros(len(s), dtype=bool)
         if crack is None:
-            return np.zeros(len(s)), np.zeros(len(s), dtype=bool)
-        bend = np.array([crack.CurvatureAt(p) for p in np.linspace(0, crack.length, 1001)])
+            return np.zeros(len(s)), none, none
         places = np.linspace(0, crack.length, 1001)
+        bend = np.array([crack.CurvatureAt(p) for p in places])
         jumps = places[1:][np.abs(np.diff(bend)) > 0.1 * np.abs(bend).max()]
         at = self.Flat(s)[0][:, 1]
         largest = [np.abs(bend[np.abs(places - p) <= max(radius, 0.002 * crack.length)]).max(initial=0) for p in at]
-        return np.array(largest), np.array([(np.abs(jumps - p) < radius).any() for p in at], dtype=bool)
+        jumping = np.array([(np.abs(jumps - p) < radius).any() for p in at], dtype=bool)
+        step = 1e-9 * crack.length
+        kinks = [p for p in crack.kinks if np.linalg.norm(np.subtract(crack.TangentAt(p + step), crack.TangentAt(p - step))) > 1e-6]
+        if not kinks:
+            return np.array(largest), jumping, none
+        points = np.array([crack.PointAt(p) for p in [*kinks, *places]])
+        part = np.asarray(np.searchsorted(kinks, [*kinks, *places], side="right"))
+        part[: len(kinks)] = -1  # a kink is met from both sides
+        behind = [points[part != np.searchsorted(kinks, p)] for p in at]
+        tips = np.array([crack.PointAt(min(max(p, 0.0), crack.length)) for p in at])
+        kinked = [(np.linalg.norm(beyond - tip, axis=1) < radius).any() for beyond, tip in zip(behind, tips)]
+        return np.array(largest), jumping, np.array(kinked, dtype=bool)
 
     @cached_property
     def joints(self) -> np.ndarray:
@@ -265,9 +276,10 @@ class Room:
                 inside = (at >= 0).all(axis=1)
                 numbers = self.regions[np.maximum(at, 0)]
                 found[inside & (numbers != numbers[np.argmax(inside), -1]).any(axis=1)] = "another material"
-        bend, jumps = self.curve.Bends(s, radius)
+        bend, jumps, kinked = self.curve.Bends(s, radius)
         found[radius * np.maximum(np.abs(kappa), bend) > BENT] = "its own centre of curvature"
         found[jumps] = "a jump of the sheet's curvature"
+        found[kinked] = "a kink of the sheet, or what lies behind it"
         beside = [self.curve.Beside(s, side * radius) for side in (1, -1)]
         for i, point in enumerate(points):
             if found[i]:

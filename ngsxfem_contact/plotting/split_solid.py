@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BND, H1, Discontinuous, GridFunction, Mesh
+from ngsolve import BND, H1, VOL, Discontinuous, ElementId, GridFunction, Mesh
 
 from ..points import element_regions, element_vertices, mesh_points, reference_coordinates
 from .solid_division import EDGES, FACES, SolidDivision
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from ngsolve import CoefficientFunction
 
-    from .._ngsxfem_contact import CrackedSolid
+    from .._ngsxfem_contact import CrackedSolid, SheetCell
 
 
 class SplitSolid:
@@ -99,10 +99,15 @@ class SplitSolid:
             if sheet.planar:
                 normals[own] = sheet.normal
             elif own.any():
-                smooth = [sheet.FrameAt(*sheet.Flat(tuple(centre))[:2])[0] for centre in lips[own].mean(axis=1)]
+                upwards = {cell.element: self._Upwards(cell) for cell in self.body.Elements(crack)}
                 plane = np.cross(lips[own, 1] - lips[own, 0], lips[own, 2] - lips[own, 0])
-                normals[own] = plane * np.sign(np.einsum("ij,ij->i", plane, smooth))[:, None]
+                normals[own] = plane * np.sign(np.einsum("ij,ij->i", plane, [upwards[element] for element in self.lip_element[own].tolist()]))[:, None]
         return np.where(np.einsum("ij,ij->i", self.points[self.tets[tets]].mean(axis=1) - lips[:, 0], normals) > 0, 1, -1)
+
+    def _Upwards(self, cell: SheetCell) -> np.ndarray:
+        """The direction in which heights over the sheet grow in an element."""
+        corners = np.array([self.body.mesh[v].point for v in sorted(self.body.mesh[ElementId(VOL, cell.element)].vertices, key=lambda v: v.nr)])
+        return np.linalg.solve(corners[1:] - corners[0], np.subtract(cell.heights[1:], cell.heights[0]))
 
     def _At(self, cf: CoefficientFunction, elements: np.ndarray, places: np.ndarray) -> np.ndarray:
         """Values (n, dim) at places (n, 3) in elements (n,)."""

@@ -128,25 +128,25 @@ def test_an_open_arc_between_planes_of_symmetry():
 CROSSING = Crack.Arc(*((0.5 + 0.9 * float(np.sin(a)), -0.4 + 0.9 * float(np.cos(a))) for a in (-0.75, 0, 0.75)))
 
 
-def plane_solution(law):
+def plane_solution(law, crack=CROSSING, maxh=0.04):
     face = Rectangle(1, 1).Face()
     face.edges.name = "side"
     face.edges.Min(Y).name, face.edges.Max(Y).name = "bottom", "top"
-    mesh = Mesh(OCCGeometry(face, dim=2).GenerateMesh(maxh=0.04))
-    V = CrackFESpace(body := CrackedMesh(mesh, CROSSING), order=2, dirichlet="bottom|top", material=STRAIN)
+    mesh = Mesh(OCCGeometry(face, dim=2).GenerateMesh(maxh=maxh))
+    V = CrackFESpace(body := CrackedMesh(mesh, crack), order=2, dirichlet="bottom|top", material=STRAIN)
     problem = ContactProblem(V, TraceSpace(body), law=law)
     problem.SetDirichlet((0, 0), "bottom")
     problem.SetDirichlet((0.04, -0.03), "top")
     return problem.Solve()
 
 
-def solid_solution(law, maxh, thickness=0.15):
+def solid_solution(law, maxh, thickness=0.15, crack=CROSSING, order=1):
     box = Box(Pnt(0, 0, 0), Pnt(1, 1, thickness))
     box.faces.name = "side"
     box.faces.Min(Z).name = box.faces.Max(Z).name = "end"
     box.faces.Min(Y).name, box.faces.Max(Y).name = "bottom", "top"
-    body = CrackedMesh(Mesh(OCCGeometry(box).GenerateMesh(maxh=maxh)), Sheet.Extrude(CROSSING, (0, 0, 2), (0, 0, -1)))
-    V = CrackFESpace(body, order=1, dirichlet="bottom|top", dirichletz="end|bottom|top", material=MATERIAL)
+    body = CrackedMesh(Mesh(OCCGeometry(box).GenerateMesh(maxh=maxh)), Sheet.Extrude(crack, (0, 0, 2), (0, 0, -1)))
+    V = CrackFESpace(body, order=order, dirichlet="bottom|top", dirichletz="end|bottom|top", material=MATERIAL)
     problem = ContactProblem(V, TraceSpace(body), law=law)
     problem.SetDirichlet((0, 0, 0), "bottom")
     problem.SetDirichlet((0.04, -0.03, 0), "top")
