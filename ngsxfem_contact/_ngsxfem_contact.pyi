@@ -513,6 +513,17 @@ class HeightField:
         spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"],
         coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     ) -> None: ...
+    @property
+    def coefficients(self) -> numpy.typing.NDArray[numpy.float64]:
+        """(n1, n2), of each B-spline."""
+
+    @property
+    def lower(self) -> tuple[float, float]:
+        """(p1, p2) of the first knot of the grid."""
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """The distances of its knots in both directions."""
 
 class Sheet:
     """A crack in space: the part of a plane that closed curves bound. Its unit normal n = a1 × a2 points from the minus to the plus side. With a curve it is the part of the

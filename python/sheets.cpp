@@ -76,6 +76,10 @@ static void ExportHeightField (py::module & m)
          }), py::arg("lower"), py::arg("spacing"), py::arg("coefficients"))
     .def("At", [] (const HeightField & f, double p1, double p2) { auto at = f.At(Point(p1, p2)); return std::tuple(at[0], at[1], at[2]); }, py::arg("p1"), py::arg("p2"),
          "The height, and its derivatives by p1 and p2.")
+    .def_property_readonly("lower", [] (const HeightField & f) { return ToPair(f.lower); }, "(p1, p2) of the first knot of the grid.")
+    .def_property_readonly("spacing", [] (const HeightField & f) { return ToPair(f.spacing); }, "The distances of its knots in both directions.")
+    .def_property_readonly("coefficients", [] (const HeightField & f) { return py::array_t<double>({ f.size[0], f.size[1] }, f.coefficients.data()); },
+                           "(n1, n2), of each B-spline.")
     .def("__repr__", [] (const HeightField & f) { return py::str("HeightField({} x {} coefficients)").format(f.size[0], f.size[1]); })
     .def(py::pickle([] (const HeightField & f) { return py::make_tuple(ToPair(f.lower), ToPair(f.spacing), f.size, f.coefficients); },
                     [] (py::tuple t)

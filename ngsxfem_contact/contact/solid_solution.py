@@ -12,7 +12,8 @@ from ngsolve import IfPos
 from .. import _ngsxfem_contact as core
 from ..arguments import check_item, crack_number
 from ..fracture.front_fields import FrontField
-from ..fracture.front_stress_intensity import COLUMNS, FrontFactors, curve_of, front_factors
+from ..fracture.front_stress_intensity import COLUMNS, FrontFactors, front_factors
+from ..fracture.front_tube import FrontCurve
 from ..fracture.given_stress import elements_near_fronts, stress_derivatives
 from ..operators import Gradient
 from ..share import AROUND
@@ -65,7 +66,7 @@ class SolidSolution(ContactSolution):
         check_item(front, self.body.fronts, "front", "body.fronts")
         share.Refuse(
             f"A tube with a radius of more than {AROUND} elements",
-            isinstance(radius, int | float) and radius > (1 + 1e-9) * AROUND * curve_of(self.body, front).h,
+            isinstance(radius, int | float) and radius > (1 + 1e-9) * AROUND * FrontCurve(self.body, front).h,
         )
         found = share.Together(lambda: front_factors(self.body, u, self.problem.material, front, radius, nodes))
         of_first = share.FromFirst({one.name: getattr(found, one.name) for one in fields(found) if one.name != "body"})

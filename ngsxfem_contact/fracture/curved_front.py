@@ -1,6 +1,6 @@
 """The integrals around a front of a curved sheet, in coordinates in which the sheet is flat: section 21 of docs/method.md.
 
-V = q N e₁ and the auxiliary fields b = U_i(x₁, x₂) e_i are functions of the coordinates of ExtrudedTube, whose frame turns with the sheet, with their true gradients and
+V = q N e₁ and the auxiliary fields b = U_i(x₁, x₂) e_i are functions of the coordinates of CurvedTube, whose frame turns with the sheet, with their true gradients and
 body forces, so that nothing is neglected for the curvature of S.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from ngsolve import CF
 
 from ..points import points_inside
-from .extruded_tube import Places
+from .curved_tube import CurvedTube, Places
 from .front_fields import LocalField, angular_functions, local_field, stress_of
 from .front_integral import FrontIntegrals, load, product, weight
 from .front_tube import points_on_sheet
@@ -60,6 +60,12 @@ def gradients(places: Places, fields: list[tuple[np.ndarray, np.ndarray]]) -> li
 class CurvedFrontIntegrals(FrontIntegrals):
     """FrontIntegrals of a front of a curved sheet."""
 
+    @property
+    def tube(self) -> CurvedTube:
+        """Its coordinates."""
+        assert self.curve.tube is not None
+        return self.curve.tube
+
     def _auxiliary(self, places: Places, s: np.ndarray, x1: np.ndarray, x2: np.ndarray) -> list[LocalField]:
         """The modes inside of the body, with their body force -div σ: Σ_α ∂_α σ ∇x_α, derivatives of components by differences."""
         material = self.material
@@ -71,7 +77,7 @@ class CurvedFrontIntegrals(FrontIntegrals):
             for sign in (1, -1):
                 at = [s.copy(), x1.copy(), x2.copy()]
                 at[(axis + 1) % 3] += sign * step
-                there = self.curve.tube.At(*at)
+                there = self.tube.At(*at)
                 shifted.append([stress_of(material, g) for g in gradients(there, displacements(material, at[1], at[2]))])
             for i, (after, before) in enumerate(zip(*shifted)):
                 by[i].append((after - before) / (2 * step)[:, None, None])
@@ -86,7 +92,7 @@ class CurvedFrontIntegrals(FrontIntegrals):
         r, theta, weights = (np.tile(of_disc, len(s)) for of_disc in self.rule.Disc(self.radii))
         s = np.repeat(s, len(r) // len(s))
         x1, x2 = r * np.cos(theta), r * np.sin(theta)
-        places = self.curve.tube.At(s, x1, x2)
+        places = self.tube.At(s, x1, x2)
         at = points_inside(self.curve.body.mesh, places.points)
         if (at["nr"] < 0).any():
             outside = tuple(float(c) for c in places.points[np.argmax(at["nr"] < 0)])
@@ -121,7 +127,7 @@ class CurvedFrontIntegrals(FrontIntegrals):
         """Places on the sheet and mesh points there, s, r and weights."""
         (s, ds), (r, dr) = self.rule.Along(self.curve.Edges(self.hats)), self.rule.Radius(self.radii)
         weights, s, r = np.outer(ds, dr).ravel(), np.repeat(s, len(r)), np.tile(r, len(s))
-        places = self.curve.tube.At(s, -r, 0 * r)
+        places = self.tube.At(s, -r, 0 * r)
         return places, points_on_sheet(self.curve.body, self.curve.front.sheet, places.points), s, r, weights * places.volume
 
     def _face_modes(self, places: Places, r: np.ndarray, sign: int) -> list[LocalField]:

@@ -42,7 +42,7 @@ class FrontFactors:
     front
         A number in the `fronts` of its CrackedSolid, body.
     s
-        Arc lengths (n,) of the nodes.
+        (n,), of the nodes, as `Front.PointAt` has it: arc lengths, of a sheet with heights those of the projection onto the plane.
     points
         (n, 3).
     G
@@ -110,7 +110,7 @@ def front_factors(
     Raises
     ------
     ValueError
-        For a sheet with heights over a plane; if the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
+        If the tube leaves the body or the material, meets another front or sheet or itself, with the place, or has less than one element in its radius; for
         fields that are not finite.
     TypeError
         For other arguments.
@@ -125,7 +125,7 @@ def front_factors(
     check_item(front, body.fronts, "front", "body.fronts")
     if getattr(material, "form", "") == "plane stress":
         raise ValueError("front_factors: the material is one of plane stress; in space give Lamé's coefficients, as Elasticity.Solid(E, nu) has them")
-    curve = curve_of(body, front)
+    curve = FrontCurve(body, front)
     h = curve.h
     if radius is not None:
         check_positive(radius, f"front_factors: radius at front {front}")
@@ -145,14 +145,6 @@ def front_factors(
     G, (K_I, K_II, K_III) = values[0, :, 3], K.T
     G_error = np.maximum(errors[:, 3], np.abs(G - irwin))
     return FrontFactors(body, front, s, curve.Points(s), K_I, K_II, K_III, G, irwin, errors[:, :3], G_error, tuple(part * radius for part in RADII), values)
-
-
-def curve_of(body: CrackedSolid, front: int) -> FrontCurve:
-    """The FrontCurve; raises ValueError for a front around which there are no integrals."""
-    curve = FrontCurve(body, front)
-    if not curve.sheet.planar and curve.sheet.curve is None:
-        raise ValueError(f"front_factors: front {front} is that of a sheet with heights over a plane; K is there for planar sheets and extruded cracks")
-    return curve
 
 
 def _room(curve: FrontCurve, room: Room, h: float, given: float | None, usual: float) -> tuple[float, list[tuple[float, float]]]:
@@ -191,9 +183,10 @@ def _on_stretch(curve: FrontCurve, material: Elasticity, u: FrontField, hats: Ha
     moments = integrals() * scale
     if not np.isfinite(moments).all():
         raise ValueError(f"front_factors: the fields around front {curve.number} are not finite everywhere in the tube of radius {radii[0]:.4g}")
-    values = np.stack([hats.Values(of_radius) for of_radius in moments])
-    doubt, pressed = integrals.Doubt() * scale[:3] / hats.weights[:, None], integrals.Pressed(h)
-    rough = hats.Largest(np.abs(hats.Values(moments[0], 5) - values[0]))
+    speed = curve.Speeds(hats.nodes)[:, None]
+    values = np.stack([hats.Values(of_radius) / speed for of_radius in moments])
+    doubt, pressed = integrals.Doubt() * scale[:3] / (hats.weights[:, None] * speed), integrals.Pressed(h)
+    rough = hats.Largest(np.abs(hats.Values(moments[0], 5) / speed - values[0]))
     errors = np.maximum(SPREAD * np.ptp(values, axis=0), ROUGH * rough)
     errors[:, :3] = np.maximum(errors[:, :3], doubt)
     K = values[0, :, :3].copy()

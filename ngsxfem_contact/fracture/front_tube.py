@@ -11,16 +11,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from ngsolve import VOL, ElementId
+from scipy.spatial import cKDTree
 
 from ..material import Isotropic
 from ..points import place, points_inside
 from ..spaces.resolution import size_at_front
-from .extruded_tube import ExtrudedTube
+from .curved_tube import CurvedTube
 
 if TYPE_CHECKING:
     from .._ngsxfem_contact import CrackedSolid
 
-BENT = 0.8  # of the radius of curvature: no tube is wider
+BENT = 0.8  # of the radius of curvature, or of the volume around a straight front: no tube is wider, or loses more
+SAMPLES = 1001  # points of another front: a tube keeps its radius from them
 CIRCLE = np.linspace(-np.pi, np.pi, 25)[:-1] + np.pi / 24
 
 
@@ -152,53 +154,44 @@ class FrontCurve:
         """κ = 1/R_f, (n,)."""
         return np.array([self.front.CurvatureAt(t) for t in self.Inside(s)])
 
-    def Flat(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """C(s), (n, 2), and e₁, e₃, (n, 2, 2), in the coordinates of the sheet."""
-        at = np.array([self.sheet.Flat(tuple(x))[:2] for x in self.Points(s)]).reshape(-1, 2)
-        tangents = np.array([self.sheet.FrameAt(*p)[1:] for p in at])
-        return at, np.einsum("nki,nai->nka", self.Frames(s)[:, [0, 2]], tangents)
-
-    def Circles(self, s: np.ndarray, radius: float) -> np.ndarray:
-        """Points (n, 24, 3) at a distance from C(s), around it."""
-        if not self.sheet.planar:
-            return self.tube.At(np.repeat(s, len(CIRCLE)), *np.tile(radius * np.array([np.cos(CIRCLE), np.sin(CIRCLE)]), len(s))).points.reshape(len(s), -1, 3)
-        points, frames = self.Points(s), self.Frames(s)
-        return points[:, None] + radius * (np.cos(CIRCLE)[:, None] * frames[:, None, 0] + np.sin(CIRCLE)[:, None] * frames[:, None, 1])
-
     @cached_property
-    def tube(self) -> ExtrudedTube:
+    def tube(self) -> CurvedTube | None:
         """The coordinates around it, of a curved sheet."""
-        return ExtrudedTube(self)
+        return None if self.sheet.planar else CurvedTube(self)
+
+    def Speeds(self, s: np.ndarray) -> np.ndarray:
+        """The length in space for each unit of s, (n,): 1, but for heights over a plane."""
+        return np.ones(len(s)) if self.tube is None else self.tube.Front(s).speed
+
+    def Slants(self, s: np.ndarray) -> np.ndarray:
+        """The cosine of the angle that C' and the direction of x₁ have in the coordinates of the sheet, (n,): 0, but for heights over a plane."""
+        if self.tube is None:
+            return np.zeros(len(s))
+        front = self.tube.Front(s)
+        return np.abs((front.along * front.ahead).sum(axis=1))
+
+    def Circles(self, s: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points (n, 24, 3) at a distance from C(s), around it, and by what the volume there is less than around a straight front of a plane, (n,)."""
+        x1, x2 = radius * np.cos(CIRCLE), radius * np.sin(CIRCLE)
+        if self.tube is None:
+            frames = self.Frames(s)
+            return self.Points(s)[:, None] + x1[:, None] * frames[:, None, 0] + x2[:, None] * frames[:, None, 1], radius * np.abs(self.Curvatures(s))
+        places = self.tube.At(np.repeat(s, len(CIRCLE)), *np.tile([x1, x2], len(s)))
+        return places.points.reshape(len(s), -1, 3), 1 - places.volume.reshape(len(s), -1).min(axis=1) / self.Speeds(s)
 
     def Beside(self, s: np.ndarray, x1: float) -> np.ndarray:
         """The points (n, 3) of the sheet's surface at a distance x₁ ahead."""
-        if self.sheet.planar:
+        if self.tube is None:
             return self.Points(s) + x1 * self.Frames(s)[:, 0]
-        at, directions = self.Flat(s)
-        return np.array([self.sheet.PointAt(*p) for p in at + x1 * directions[:, 0]])
+        return self.tube.At(s, x1 + 0 * s, 0 * s).points
 
-    def Bends(self, s: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of the sheet nearer to C(s) than a radius: the largest curvature, whether it jumps, and whether there is a kink or what lies behind one, (n,)."""
-        crack, none = self.sheet.curve, np.zeros(len(s), dtype=bool)
-        if crack is None:
-            return np.zeros(len(s)), none, none
-        places = np.linspace(0, crack.length, 1001)
-        bend = np.array([crack.CurvatureAt(p) for p in places])
-        jumps = places[1:][np.abs(np.diff(bend)) > 0.1 * np.abs(bend).max()]
-        at = self.Flat(s)[0][:, 1]
-        largest = [np.abs(bend[np.abs(places - p) <= max(radius, 0.002 * crack.length)]).max(initial=0) for p in at]
-        jumping = np.array([(np.abs(jumps - p) < radius).any() for p in at], dtype=bool)
-        step = 1e-9 * crack.length
-        kinks = [p for p in crack.kinks if np.linalg.norm(np.subtract(crack.TangentAt(p + step), crack.TangentAt(p - step))) > 1e-6]
-        if not kinks:
-            return np.array(largest), jumping, none
-        points = np.array([crack.PointAt(p) for p in [*kinks, *places]])
-        part = np.asarray(np.searchsorted(kinks, [*kinks, *places], side="right"))
-        part[: len(kinks)] = -1  # a kink is met from both sides
-        behind = [points[part != np.searchsorted(kinks, p)] for p in at]
-        tips = np.array([crack.PointAt(min(max(p, 0.0), crack.length)) for p in at])
-        kinked = [(np.linalg.norm(beyond - tip, axis=1) < radius).any() for beyond, tip in zip(behind, tips)]
-        return np.array(largest), jumping, np.array(kinked, dtype=bool)
+    def Jumps(self, s: np.ndarray, radius: float) -> np.ndarray:
+        """Whether the sheet's curvature jumps nearer to C(s) than a radius, (n,)."""
+        return np.zeros(len(s), dtype=bool) if self.tube is None else self.tube.surface.Jumps(self.tube.Front(s).at, radius)
+
+    def Kinks(self, s: np.ndarray, radius: float) -> np.ndarray:
+        """Whether the sheet has a kink, or what lies behind one, nearer to C(s) than a radius, (n,)."""
+        return np.zeros(len(s), dtype=bool) if self.tube is None else self.tube.surface.Kinks(self.tube.Front(s).at, radius)
 
     @cached_property
     def joints(self) -> np.ndarray:
@@ -255,7 +248,8 @@ class Room:
 
     def __init__(self, curve: FrontCurve, material: Isotropic) -> None:
         self.curve, self.body, self.mesh = curve, curve.body, curve.body.mesh
-        self.others = [front for i, front in enumerate(self.body.fronts) if i != curve.number]
+        others = [FrontCurve(self.body, i) for i in range(len(self.body.fronts)) if i != curve.number]
+        self.others = cKDTree(np.concatenate([np.empty((0, 3)), *(other.Points(np.linspace(0, other.length, SAMPLES)) for other in others)]))
         self.regions = self.mesh.ngmesh.Elements3D().NumPy()["index"] if len(material.regions) > 1 else None
         cells = [[self._place(i, p) for p in cell.polygon] for i in range(len(self.body.cracks)) if i != curve.front.sheet for cell in self.body.Elements(i)]
         self.centres = np.array([np.mean(c, axis=0) for c in cells]).reshape(-1, 3)
@@ -266,28 +260,28 @@ class Room:
 
     def Obstacles(self, s: np.ndarray, radius: float) -> list[str]:
         """What the disc of a radius at each s meets, "" for nothing."""
-        points, kappa = self.curve.Points(s), self.curve.Curvatures(s)
+        points = self.curve.Points(s)
         s, found = self.curve.Inside(s), np.full(len(s), "", dtype=object)
         for share in (0.5, 1):
-            circle = self.curve.Circles(s, share * radius)
+            circle, lost = self.curve.Circles(s, share * radius)
             at = self.mesh(*np.concatenate([circle, points[:, None]], axis=1).reshape(-1, 3).T)["nr"].reshape(len(s), -1)
             found[(at < 0).any(axis=1)] = "the boundary of the body"
             if self.regions is not None:
                 inside = (at >= 0).all(axis=1)
                 numbers = self.regions[np.maximum(at, 0)]
                 found[inside & (numbers != numbers[np.argmax(inside), -1]).any(axis=1)] = "another material"
-        bend, jumps, kinked = self.curve.Bends(s, radius)
-        found[radius * np.maximum(np.abs(kappa), bend) > BENT] = "its own centre of curvature"
-        found[jumps] = "a jump of the sheet's curvature"
-        found[kinked] = "a kink of the sheet, or what lies behind it"
+        found[lost > BENT] = "its own centre of curvature"
+        found[self.curve.Jumps(s, radius)] = "a jump of the sheet's curvature"
+        found[self.curve.Kinks(s, radius)] = "a kink of the sheet, or what lies behind it"
+        allowed = 1e-6 * self.curve.length + radius * self.curve.Slants(s) / (1 - BENT)
         beside = [self.curve.Beside(s, side * radius) for side in (1, -1)]
         for i, point in enumerate(points):
             if found[i]:
                 continue
             nearest = [self.curve.front.Tube(tuple(places[i]))[2] - s[i] for places in beside]
-            if any(min(abs(d), self.curve.length - abs(d) if self.curve.front.closed else np.inf) > 1e-6 * self.curve.length for d in nearest):
+            if any(min(abs(d), self.curve.length - abs(d) if self.curve.front.closed else np.inf) > allowed[i] for d in nearest):
                 found[i] = "another part of the same front"
-            elif any(front.Distance(tuple(point)) <= radius for front in self.others):
+            elif self.others.query(point)[0] <= radius:
                 found[i] = "another front"
             elif len(self.centres) and (np.linalg.norm(self.centres - point, axis=1) < self.sizes + radius).any():
                 found[i] = "another sheet"

@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from curved_surfaces import CAP_MIDDLE, CAP_RADIUS, CAP_SPHERE, cap, turned
 from exact_sheets import cube_mesh
 from netgen.occ import Box, Cylinder, Pnt, Y
 from ngsolve import Integrate
@@ -12,44 +13,15 @@ from test_curved_sheets import modes_by_differences
 from ngsxfem_contact import ContactProblem, CrackedMesh, CrackFESpace, Elasticity, TraceSpace
 from ngsxfem_contact.exact.pennies import penny
 from ngsxfem_contact.exact.space_forms import stress_matrix, uniform_stress
-from ngsxfem_contact.fracture.front_fields import FrontField
-from ngsxfem_contact.fracture.front_stress_intensity import front_factors
 from ngsxfem_contact.geometry import Sheet
 from ngsxfem_contact.spaces import FrontEnrichment
 
 pytestmark = pytest.mark.filterwarnings("ignore:CrackFESpace. .* nodes around fronts have no modes")
 
 MATERIAL = Elasticity.Solid(E=2.5, nu=0.25)
-RADIUS, SPHERE = 0.3, 0.75
-MIDDLE = np.array([0.49, 0.51, 0.48])
+RADIUS, SPHERE, MIDDLE = CAP_RADIUS, CAP_SPHERE, CAP_MIDDLE
 CAP_AREA = 2 * np.pi * SPHERE * (SPHERE - np.sqrt(SPHERE**2 - RADIUS**2))
 MESHES = {h: cube_mesh(h) for h in (0.25, 0.12, 0.05)}
-
-
-def cap(rings=12, sphere=SPHERE, middle=MIDDLE, turn=np.eye(3)):
-    """Points and triangles of a cap of a sphere above a circle, or of the disk (sphere = inf)."""
-    points, triangles = [(0.0, 0.0)], []
-    for ring in range(1, rings + 1):
-        angles = 2 * np.pi * np.arange(6 * ring) / (6 * ring)
-        points += list(zip(RADIUS * ring / rings * np.cos(angles), RADIUS * ring / rings * np.sin(angles)))
-    start = lambda ring: 0 if ring == 0 else 1 + 3 * ring * (ring - 1)
-    at = lambda ring, k: start(ring) + (k % (6 * ring) if ring else 0)
-    for ring in range(1, rings + 1):
-        for side in range(6):
-            for k in range(ring):
-                outer, inner = side * ring + k, side * (ring - 1) + k
-                triangles.append((at(ring, outer), at(ring, outer + 1), at(ring - 1, inner)))
-                if k < ring - 1:
-                    triangles.append((at(ring, outer + 1), at(ring - 1, inner + 1), at(ring - 1, inner)))
-    flat = np.array(points)
-    rise = np.zeros(len(flat)) if np.isinf(sphere) else np.sqrt(sphere**2 - (flat**2).sum(axis=1)) - np.sqrt(sphere**2 - RADIUS**2)
-    return np.column_stack([flat, rise]) @ turn.T + middle, np.array(triangles)
-
-
-def turned(axis, angle):
-    axis = np.array(axis) / np.linalg.norm(axis)
-    cross = np.cross(np.eye(3), axis)
-    return np.eye(3) - np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
 
 
 TURN = turned((1, 2, 0.5), 0.6)
@@ -174,11 +146,6 @@ TETRAHEDRON = np.array([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
         (lambda: Sheet.FromTriangles(TETRAHEDRON, [(0, 1, 2), (1, 0, 3)]), ValueError, "45 degrees|45 are not there"),
         (lambda: Sheet.FromTriangles(*creased()), ValueError, "a sheet is smooth"),
         (lambda: Sheet.FromFace("face", 0.1), TypeError, "no face"),
-        (
-            lambda: front_factors(CrackedMesh(MESHES[0.12], CAP), FrontField(uniform_stress(MATERIAL, np.eye(3)).gradient), MATERIAL),
-            ValueError,
-            "K is there for planar sheets",
-        ),
     ],
 )
 def test_what_is_refused(make, error, words):
