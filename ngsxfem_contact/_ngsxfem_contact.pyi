@@ -37,7 +37,6 @@ __all__: list[str] = [
     "FrontDemand",
     "FrontSpec",
     "FunctionOf",
-    "GlobalVertexNumbers",
     "GridFunctionOf",
     "HeightField",
     "InnerIntegrals",
@@ -1162,9 +1161,6 @@ def ElementsBeside(mesh: ngsolve.comp.Mesh, sheet: Sheet) -> list[int]:
 
 def FunctionOf(functional: ngsolve.fem.PointEvaluationFunctional) -> ngsolve.fem.CoefficientFunction:
     """The function v of an evaluation such as v(x, y)."""
-
-def GlobalVertexNumbers(mesh: ngsolve.comp.Mesh) -> list[int]:
-    """Of the vertices of a mesh that processes share their numbers in the whole mesh, on which all agree."""
 
 def GridFunctionOf(function: ngsolve.comp.GridFunctionCoefficientFunction) -> ngsolve.comp.GridFunction:
     """The GridFunction that a function such as Grad(u) or Jump(u) is an operator of."""
