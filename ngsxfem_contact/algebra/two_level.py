@@ -7,6 +7,7 @@ hold A. Vectors are *consistent* or *additive* as in `processes.Exchange`; the s
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,7 +28,11 @@ if TYPE_CHECKING:
 LAYERS = 2  # of functions around those of the cracks, which are solved directly
 DEGREE, RATIO = 4, 20.0  # of the polynomial, and of the eigenvalues that it is small for
 TIP_ACCURACY = 0.1  # of what a tip's function is without the polynomials that approximate it, in the energy norm
-POWERS, SAFETY = 20, 1.1  # steps of the power method, which finds most of the largest eigenvalue
+LANCZOS, SAFETY = (
+    20,
+    1.1,
+)  # steps of Lanczos' method, which find most of the largest eigenvalue; beyond 1.05 of what is taken for it a polynomial would not be positive
+EXHAUSTED = 1e-20  # of r·D⁻¹r: there is nothing left
 DAMPING = 4 / 3  # of the step of Jacobi's method, over the largest eigenvalue
 
 
@@ -41,14 +46,20 @@ class Chebyshev:
         self.largest = self._largest()
 
     def _largest(self) -> float:
-        """λ."""
-        x = self.exchange.Cumulated(self.exchange.Additive(np.random.default_rng(0).standard_normal(len(self.D_inverse))))
-        size = 1.0
-        for _ in range(POWERS):
-            y = self.D_inverse * self.exchange.Cumulated(self.A @ x)
-            size = self.exchange.Max(np.abs(y).max(initial=0)) or 1.0
-            x = y / size
-        return SAFETY * size
+        """λ, by the tridiagonal matrix of conjugate gradients with D."""
+        r = np.where(self.D_inverse > 0, np.random.default_rng(0).standard_normal(len(self.D_inverse)), 0)
+        found = ConjugateGradients(self.A.__matmul__, lambda r: self.D_inverse * self.exchange.Cumulated(r), r, partial(product, self.exchange))
+        first, steps, ratios = found.rz, [], []
+        while len(steps) < LANCZOS and found.rz > EXHAUSTED * first:
+            before = found.rz
+            found.Step()
+            steps.append(found.gains[-1] / before)
+            ratios.append(found.rz / before)
+        if not steps:
+            return 1.0
+        inverse, ratio = 1 / np.array(steps), np.array(ratios[:-1])
+        diagonal = inverse + np.concatenate([[0], ratio * inverse[:-1]])
+        return SAFETY * float(scipy.linalg.eigvalsh_tridiagonal(diagonal, np.sqrt(ratio) * inverse[:-1])[-1])
 
     def Apply(self, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(p(D⁻¹A) D⁻¹r, consistent; what of r, additive, it leaves)."""
@@ -166,12 +177,17 @@ class TwoLevel:
 
     def Dot(self, additive: np.ndarray, consistent: np.ndarray) -> float:
         """Their product, the same to the last bit on all processes."""
-        return float(sum(self.exchange.Gather(float(additive @ consistent))))
+        return product(self.exchange, additive, consistent)
 
     def Begin(self, r: np.ndarray) -> tuple[np.ndarray, ConjugateGradients]:
         """(what X gives, conjugate gradients for the rest) of A x = r, additive."""
         x = self.Coarse(r)
         return x, ConjugateGradients(self.A.__matmul__, self.Apply, r - self.A @ x, self.Dot)
+
+
+def product(exchange: Exchange, additive: np.ndarray, consistent: np.ndarray) -> float:
+    """That of two vectors, the same to the last bit on all processes."""
+    return float(sum(exchange.Gather(float(additive @ consistent))))
 
 
 def factors_of(matrix: csr_matrix, border: np.ndarray, C: csr_matrix) -> Elimination:
