@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from ngsolve import VOL, ElementId
-from scipy.spatial import cKDTree
 
 from ..material import Isotropic
 from ..points import place, points_inside
@@ -249,7 +249,7 @@ class Room:
     def __init__(self, curve: FrontCurve, material: Isotropic) -> None:
         self.curve, self.body, self.mesh = curve, curve.body, curve.body.mesh
         others = [FrontCurve(self.body, i) for i in range(len(self.body.fronts)) if i != curve.number]
-        self.others = cKDTree(np.concatenate([np.empty((0, 3)), *(other.Points(np.linspace(0, other.length, SAMPLES)) for other in others)]))
+        self.others = scipy.spatial.cKDTree(np.concatenate([np.empty((0, 3)), *(other.Points(np.linspace(0, other.length, SAMPLES)) for other in others)]))
         self.regions = self.mesh.ngmesh.Elements3D().NumPy()["index"] if len(material.regions) > 1 else None
         cells = [[self._place(i, p) for p in cell.polygon] for i in range(len(self.body.cracks)) if i != curve.front.sheet for cell in self.body.Elements(i)]
         self.centres = np.array([np.mean(c, axis=0) for c in cells]).reshape(-1, 3)

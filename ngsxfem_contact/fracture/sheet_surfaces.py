@@ -114,7 +114,7 @@ class ExtrudedSurface:
         if not kinks:
             return np.zeros(len(y), dtype=bool)
         places = [*kinks, *np.linspace(0, crack.length, 1001)]
-        points, part = np.array([crack.PointAt(p) for p in places]), np.searchsorted(kinks, places, side="right")
+        points, part = np.array([crack.PointAt(p) for p in places]), np.asarray(np.searchsorted(kinks, places, side="right"))
         part[: len(kinks)] = -1  # a kink is met from both sides
         of_p = np.clip(y[:, 1], 0, crack.length)
         behind = [points[part != np.searchsorted(kinks, p)] for p in of_p]

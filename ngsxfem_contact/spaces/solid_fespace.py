@@ -57,14 +57,6 @@ class FrontEnrichment:
         check_type(self.material, Isotropic | None, "FrontEnrichment: material", "an Elasticity")
         check_type(self.rules, core.FrontDemand | None, "FrontEnrichment: rules", "a FrontDemand")
 
-    def AsksForMore(self) -> bool:
-        """Whether more nodes may have modes than by default."""
-        return bool(self.radius) or (self.rules is not None and self.rules.radius > 0)
-
-    def Reach(self, body: CrackedSolid, order: int) -> float:
-        """Nodes nearer to a front have modes, whatever its elements are."""
-        return max(usual_reach(body, order) if self.radius is None else self.radius, self.rules.radius if self.rules else 0.0)
-
     def Spec(self, body: CrackedSolid, order: int, material: Isotropic | None) -> core.FrontSpec:
         """What the space needs to know.
 
@@ -86,7 +78,7 @@ class FrontEnrichment:
         if own is not None:
             check_form(own, body, "FrontEnrichment: material")
         rules = self.rules or core.FrontDemand()
-        demand = core.FrontDemand(self.Reach(body, order), rules.along, rules.angular, rules.radial, rules.order, rules.beta)
+        demand = core.FrontDemand(reach_of(self, body, order), rules.along, rules.angular, rules.radial, rules.order, rules.beta)
         return core.FrontSpec([constants_at(body, own or UNKNOWN, front) for front in range(len(body.fronts))], demand)
 
 
@@ -156,7 +148,7 @@ class SolidFESpace(Described, core.SolidFESpace):
                 check_regions(body.mesh, flags[name], f"CrackFESpace: {name}")
         share = share_in(body)
         has_modes = front is not None and len(body.fronts) > 0
-        is_far = front is not None and has_modes and front.AsksForMore() and front.Reach(body, order) > (1 + 1e-9) * REACH * least_size(body)
+        is_far = front is not None and has_modes and asks_for_more(front) and reach_of(front, body, order) > (1 + 1e-9) * REACH * least_size(body)
         share.Refuse(f"FrontEnrichment(radius) of more than {REACH} elements", is_far)
         super().__init__(body, front.Spec(body, order, material) if front is not None and has_modes else None, order=order, **flags)
         self.material, self.share, self._body = material, share, body  # with its share
@@ -216,6 +208,16 @@ class SolidFESpace(Described, core.SolidFESpace):
         of_core, material, undecided = state
         super().__setstate__(of_core)
         self.material, self.undecided, self.share = material, undecided, share_in(self.body)
+
+
+def asks_for_more(front: FrontEnrichment) -> bool:
+    """Whether more nodes may have modes than by default."""
+    return bool(front.radius) or (front.rules is not None and front.rules.radius > 0)
+
+
+def reach_of(front: FrontEnrichment, body: CrackedSolid, order: int) -> float:
+    """Nodes nearer to a front have modes, whatever its elements are."""
+    return max(usual_reach(body, order) if front.radius is None else front.radius, front.rules.radius if front.rules else 0.0)
 
 
 def usual_reach(body: CrackedSolid, order: int) -> float:

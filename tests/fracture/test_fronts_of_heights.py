@@ -10,6 +10,7 @@ from ngsxfem_contact.fracture.front_stress_intensity import front_factors
 from ngsxfem_contact.fracture.front_tube import FrontCurve
 from ngsxfem_contact.fracture.sheet_surfaces import HeightSurface
 from ngsxfem_contact.geometry import HeightField, Sheet
+from ngsxfem_contact.spaces import FrontEnrichment
 from tests.contact.test_curved_contact import ARC, arc_gradient, slab
 from tests.sheets.curved_surfaces import cap, circle
 from tests.sheets.exact_sheets import cube_mesh
@@ -94,7 +95,8 @@ def test_exact_fields_around_an_arc(columns, bound):
 
 def pressed_open(mesh, sheet):
     """Unit pressure on both faces, held at the boundary."""
-    V = CrackFESpace(body := CrackedMesh(mesh, sheet), order=1, dirichlet="outer", material=MATERIAL)
+    front = FrontEnrichment(radius=0)  # of planar sheets, too
+    V = CrackFESpace(body := CrackedMesh(mesh, sheet), order=1, dirichlet="outer", material=MATERIAL, front=front)
     problem = ContactProblem(V, TraceSpace(body))
     problem.SetDirichlet((0, 0, 0), "outer")
     problem.FacePressure(1.0)

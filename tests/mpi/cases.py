@@ -155,6 +155,8 @@ def saved_traces(folder):
             ContactProblem(V, TraceSpace(body, order=2, basis="trace")).Solve().Save(path)
     COMM.barrier()
     return path
+
+
 def what_is_not_supported_in_space_is_refused():
     """In the same way."""
     if COMM.size == 1:

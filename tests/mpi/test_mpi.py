@@ -175,6 +175,8 @@ def test_saved_solutions_are_read_by_other_numbers_of_processes(tmp_path):
                     if not value <= (GO_ON if " " in key or key == "grown" else 2e-12)
                 }
                 assert worst == {}
+
+
 @needs_mpi
 def test_bodies_in_space_as_one_process(tmp_path):
     """The same in space, and the number of tetrahedra of the file."""

@@ -91,7 +91,7 @@ def test_a_flat_triangulation_is_a_disk():
     sheets = Sheet.Disk(middle, (0, 0, 1), RADIUS), Sheet.FromTriangles(*cap(sphere=np.inf, middle=middle))
     found = []
     for sheet in sheets:
-        problem = problem_of(MESHES[0.12], sheet, penny(MATERIAL, RADIUS, 1.0).At(middle))
+        problem = problem_of(MESHES[0.12], sheet, penny(MATERIAL, RADIUS, 1.0).At(middle), FrontEnrichment(radius=0))
         problem.FacePressure(1.0)
         solution = problem.Solve()
         found.append((Integrate(solution.gap * solution.body.dcrack, solution.body.mesh), solution.Energy(), len(solution.Profile())))
