@@ -33,6 +33,7 @@ __all__: list[str] = [
     "ElementsBeside",
     "EndKind",
     "FormTerm",
+    "FromCSR",
     "Front",
     "FrontDemand",
     "FrontSpec",
@@ -1158,6 +1159,14 @@ def ElementsBeside(mesh: ngsolve.comp.Mesh, crack: Crack) -> list[int]:
 @typing.overload
 def ElementsBeside(mesh: ngsolve.comp.Mesh, sheet: Sheet) -> list[int]:
     """The same of a sheet, by its box and the heights of corners."""
+
+def FromCSR(
+    first: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    column: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    width: int,
+) -> ngsolve.la.BaseMatrix:
+    """A sparse matrix of NGSolve from one in CSR format, the columns of each row in ascending order."""
 
 def FunctionOf(functional: ngsolve.fem.PointEvaluationFunctional) -> ngsolve.fem.CoefficientFunction:
     """The function v of an evaluation such as v(x, y)."""

@@ -45,8 +45,32 @@ static py::tuple Bordered (const SparseMatrix<double> & A, const BitArray & inne
   return py::make_tuple(ToNumpy(std::move(T.first)), ToNumpy(std::move(T.column)), ToNumpy(std::move(T.value)));
 }
 
+static shared_ptr<BaseMatrix> FromCSR (Input<int> first, Input<int> column, Input<double> value, size_t width)
+{
+  auto begin = ToArray(first), columns = ToArray(column);
+  auto values = ToArray(value);
+  size_t height = begin.Size()-1;
+  if (size_t(begin[height]) != columns.Size() || columns.Size() != values.Size()) throw Exception("FromCSR: the arrays do not fit one another");
+  Array<int> sizes(height);
+  for (size_t i = 0; i < height; i++) sizes[i] = begin[i+1]-begin[i];
+  auto matrix = make_shared<SparseMatrix<double>>(sizes, width);
+  for (size_t i = 0; i < height; i++)
+    {
+      auto indices = matrix->GetRowIndices(i);
+      auto entries = matrix->GetRowValues(i);
+      for (int j = 0; j < sizes[i]; j++)
+        {
+          indices[j] = columns[begin[i]+j];
+          entries[j] = values[begin[i]+j];
+        }
+    }
+  return matrix;
+}
+
 void ExportSolver (py::module & m)
 {
+  m.def("FromCSR", &FromCSR, py::arg("first"), py::arg("column"), py::arg("value"), py::arg("width"),
+        "A sparse matrix of NGSolve from one in CSR format, the columns of each row in ascending order.");
   m.def("SchurComplement", &Schur, py::arg("factors"), py::arg("height"), py::arg("first"), py::arg("row"), py::arg("value"),
         "K inv(A) K^T, dense, from sparsecholesky factors of A and K in CSC format.");
   m.def("BorderedMatrix", &Bordered, py::arg("matrix"), py::arg("inner"), py::arg("height"), py::arg("first"), py::arg("row"), py::arg("value"),

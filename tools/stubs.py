@@ -19,6 +19,7 @@ TYPES = {
     "body: ...)": "body: CrackedMesh)",  # of NumKeptRules, exported before its class
     "*args": "*cracks: Crack",  # of Crack.Join and CrackedMesh
     "mesh: ngsolve.comp.Mesh, *cracks: Crack)": "mesh: ngsolve.comp.Mesh, *cracks: Crack | Sheet)",
+    " -> BaseMatrix:": " -> ngsolve.la.BaseMatrix:",
     "def body(self) -> object": "def body(self) -> CrackedMesh",  # of FormTerm
     "**kwargs": "**flags: typing.Any",  # of NGSolve's spaces and forms
     "typing.SupportsInt | typing.SupportsIndex": "int",

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
-from ngsolve import CreateVVector, Projector, la
+from ngsolve import CreateVVector, Projector
 
 from .. import _ngsxfem_contact as core
 
@@ -35,8 +35,9 @@ def to_scipy(matrix: BaseMatrix) -> csr_matrix:
 
 def from_scipy(matrix: Any) -> BaseMatrix:
     """A sparse scipy matrix as one of NGSolve."""
-    matrix = matrix.tocoo()
-    return la.SparseMatrixd.CreateFromCOO(matrix.row.astype(np.int32), matrix.col.astype(np.int32), matrix.data, *matrix.shape)
+    matrix = matrix.tocsr()
+    matrix.sum_duplicates()  # and columns in ascending order
+    return core.FromCSR(matrix.indptr, matrix.indices, matrix.data, matrix.shape[1])
 
 
 def csr_view(matrix: BaseMatrix) -> csr_matrix:

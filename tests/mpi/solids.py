@@ -55,7 +55,7 @@ def bent():
 
 def slip():
     """Friction that sticks here and slips there."""
-    return body(DISK, make=cube(0.25), law=Coulomb(0.3), load=CF((40, 10, -200 * x)))
+    return body(DISK, make=cube(0.25), law=Coulomb(0.5), load=CF((40, 10, -200 * x)))
 
 
 def quadratic():
