@@ -16,6 +16,8 @@ FILES = ("pyproject.toml", "CITATION.cff", "CHANGELOG.md")
 def copy(tmp_path):
     for name in FILES:
         shutil.copy(ROOT / name, tmp_path / name)
+    log = tmp_path / "CHANGELOG.md"
+    log.write_text(log.read_text(encoding="utf-8").replace("## [Unreleased]\n", "## [Unreleased]\n\n### Added\n\n- News.\n", 1), encoding="utf-8")
     return tmp_path
 
 
