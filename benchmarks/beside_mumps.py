@@ -1,6 +1,6 @@
 """The direct solver for many processes, substructuring, beside PETSc's MUMPS on the same matrix.
 
-python benchmarks/beside_mumps.py --sizes 0.01 0.006 0.003 --numbers 1 3 4
+python benchmarks/beside_mumps.py --sizes 0.01 0.006 --numbers 1 3 4
 
 Needs mpirun, mpi4py, and petsc4py with MUMPS beside NGSolve: on Debian 12 `apt-get install python3-petsc4py-real`, an environment of `/usr/bin/python3 -m venv --system-site-packages` with this package, and
 PYTHONPATH=/usr/lib/petscdir/petsc3.18/x86_64-linux-gnu-real/lib/python3/dist-packages. An inclined crack in a unit square, P2, on some numbers of processes, of which n - 1
@@ -147,7 +147,7 @@ def measure(maxh):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--sizes", type=float, nargs="+", default=[0.01, 0.006, 0.004])
+    parser.add_argument("--sizes", type=float, nargs="+", default=[0.01, 0.006])
     parser.add_argument("--numbers", type=int, nargs="+", default=[1, 3, 4])
     parser.add_argument("--measure", type=float)
     chosen = parser.parse_args()
