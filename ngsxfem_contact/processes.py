@@ -265,6 +265,10 @@ class Exchange(Processes):
         consistent[self.shared] = self.Sum(parts)[self.numbers]
         return consistent
 
+    def Dot(self, additive: np.ndarray, consistent: np.ndarray) -> float:
+        """The product of two vectors, the same to the last bit on all processes."""
+        return float(sum(self.Gather(float(additive @ consistent))))
+
     def Numbers(self, size: int) -> np.ndarray:
         """(size,): a number for each unknown, of which this process has `size`, on which all agree."""
         numbers = np.arange(size) + self.total + sum(self.Gather(size)[: self.rank])

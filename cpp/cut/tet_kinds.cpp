@@ -24,8 +24,7 @@ namespace ngsxfem_contact
         if (cell.heights[i] == 0) on_plane.push_back({ i, i, cell.tet[i] });
       }
     auto [lowest, highest] = std::ranges::minmax(cell.heights);
-    bool kinked = !sheet.IsPlanar() && !sheet.GetSurface()->Kinks().empty();
-    if (on_plane.size() == 4 && kinked) return LocateInsideKink(cell, on_plane);
+    if (on_plane.size() == 4 && !kinks.empty()) return LocateInsideKink(cell, on_plane);
     auto carrier = FaceOnPlane::Here;
     if (on_plane.size() == 3)
       {
@@ -33,11 +32,11 @@ namespace ngsxfem_contact
         carrier = Carrier(cell, lowest+highest);
         if (carrier == FaceOnPlane::Nowhere) return AddEdges(cell, on_plane);
       }
-    if ((lowest*highest < 0 || on_plane.size() > (kinked ? 2 : 1)) && IsBent(cell))
+    if ((lowest*highest < 0 || on_plane.size() > (kinks.empty() ? 1 : 2)) && IsBent(cell))
       {
         if (!IsNear(cell)) return;
-        Refuse(kinked ? "bends or has kinks too sharply for the elements there; refine the mesh until radii of curvature and distances between kinks are some elements"
-                      : "bends too sharply for the elements there; refine the mesh until its radius of curvature is some elements", Centre(cell.in_space));
+        Refuse(kinks.empty() ? "bends too sharply for the elements there; refine the mesh until its radius of curvature is some elements"
+                             : "bends or has kinks too sharply for the elements there; refine the mesh until radii of curvature and distances between kinks are some elements", Centre(cell.in_space));
       }
     if (on_plane.size() == 4) Refuse("meets a flat element, whose four corners lie on its plane; mesh the body anew", Centre(cell.in_space));
     if (auto corners = CutPolygon(cell.tet, cell.heights); !corners.empty())
@@ -102,8 +101,7 @@ namespace ngsxfem_contact
         Point3 centre(0., 0., 0.);
         for (int i = 0; i < 4; i++)
           if (cell.heights[i] == 0) centre += 1./3 * cell.in_space[i];
-        bool kinked = !sheet.IsPlanar() && !sheet.GetSurface()->Kinks().empty();
-        return kinked && std::abs(HeightAt(centre)) > geometric_tolerance*LongestEdge(cell.in_space) ? FaceOnPlane::Nowhere : FaceOnPlane::Here;
+        return !kinks.empty() && std::abs(HeightAt(centre)) > geometric_tolerance*LongestEdge(cell.in_space) ? FaceOnPlane::Nowhere : FaceOnPlane::Here;
       }
     Tet t = MeshParts<3>::TetOf(mesh, *cell.neighbour);
     auto vertices = mesh.GetElement(ElementId(VOL, *cell.neighbour)).Vertices();

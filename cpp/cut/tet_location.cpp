@@ -9,7 +9,7 @@ namespace ngsxfem_contact
   constexpr double smallest_angle = M_PI/9;                // between a front and ∂Ω
 
   SheetLocation :: SheetLocation (const MeshAccess & amesh, const Sheet & asheet, size_t anumber)
-    : mesh(amesh), sheet(asheet), number(anumber), inside_body(sheet.Loops().size()), on_boundary(sheet.Loops().size())
+    : mesh(amesh), sheet(asheet), number(anumber), kinks(sheet.IsPlanar() ? std::vector<double>() : sheet.GetSurface()->Kinks()), inside_body(sheet.Loops().size()), on_boundary(sheet.Loops().size())
   {
     auto beside = ElementsBeside(mesh, sheet);
     FindHeights(beside);
@@ -94,7 +94,7 @@ namespace ngsxfem_contact
     if (!enters && !sheet.Contains(centre)) return;
     if (aligned && !cell.neighbour)
       Refuse("runs along the boundary of the body; move it inside", sheet.PointAt(centre));
-    if (enters && !sheet.IsPlanar() && !sheet.GetSurface()->Kinks().empty() && !IsFaithful(cell.tet, cell.in_space))
+    if (enters && !kinks.empty() && !IsFaithful(cell.tet, cell.in_space))
       Refuse("has a front nearer to a kink than an element; refine the mesh there", sheet.PointAt(centre));
     cell.kind = enters ? ElementKind::Tip : aligned ? ElementKind::Aligned : ElementKind::Cut;
     if (enters)
@@ -293,8 +293,7 @@ namespace ngsxfem_contact
   /// A front keeps on one smooth part of the sheet, which is all that the elements that it passes have of it.
   void SheetLocation :: CheckKinks (const Front & front) const
   {
-    if (sheet.IsPlanar()) return;
-    for (double place : sheet.GetSurface()->Kinks())
+    for (double place : kinks)
       {
         auto points = front.Curve().Outline(0.2);
         auto [first, last] = std::ranges::minmax(points, {}, [] (Point p) { return p(1); });
@@ -314,7 +313,7 @@ namespace ngsxfem_contact
     Point p = front.Curve().PointAt(s);
     for (auto & [segment, normal] : boundary)
       if (Distance(p, places.at(segment[0]), places.at(segment[1])) <= 32*tolerance) steepest = std::max(steepest, std::abs(Dot(tangent, normal)));
-    if (steepest < 0 && !sheet.IsPlanar() && !sheet.GetSurface()->Kinks().empty())
+    if (steepest < 0 && !kinks.empty())
       Refuse("has a front nearer to a kink than an element; refine the mesh there", x);
     if (steepest < 0)
       Refuse("has a front that ends inside of the body, which is a fault of the program", x);

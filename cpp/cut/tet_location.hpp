@@ -44,6 +44,7 @@ namespace ngsxfem_contact
     const MeshAccess & mesh;
     const Sheet & sheet;
     size_t number;
+    std::vector<double> kinks;                   // values of p₂
     double tolerance;                            // in the plane: geometric_tolerance × the shortest edge of ElementsBeside
     std::map<size_t, double> height;             // by vertex, 0 on the plane
     std::map<size_t, Point3> flat;               // points by vertex

@@ -59,7 +59,7 @@ class ApproximateElimination(SymmetricSystem):
 
     def Size(self, x: np.ndarray) -> float:
         """In the energy norm."""
-        return float(np.sqrt(max(self.preconditioner.Dot(self.A @ x, x), 0)))
+        return float(np.sqrt(max(self.exchange.Dot(self.A @ x, x), 0)))
 
     def Solve(self, rhs: np.ndarray, accuracy: float = ACCURACY, enough: float = 0.0) -> np.ndarray:
         """A⁻¹ rhs of an additive right-hand side: consistent, zero on fixed unknowns.
@@ -79,7 +79,7 @@ class ApproximateElimination(SymmetricSystem):
             After too many steps.
         """
         x, found = self.preconditioner.Begin(rhs)
-        energy = self.preconditioner.Dot(rhs, x)
+        energy = self.exchange.Dot(rhs, x)
         reached = lambda: max(accuracy * np.sqrt(max(energy + sum(found.gains), 0)), enough)
         found.Reach(reached, "a direct solver, without inverse=, does not mind")
         self.iterations.append(len(found.gains))

@@ -7,7 +7,6 @@ hold A. Vectors are *consistent* or *additive* as in `processes.Exchange`; the s
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,10 +27,8 @@ if TYPE_CHECKING:
 LAYERS = 2  # of functions around those of the cracks, which are solved directly
 DEGREE, RATIO = 4, 20.0  # of the polynomial, and of the eigenvalues that it is small for
 TIP_ACCURACY = 0.1  # of what a tip's function is without the polynomials that approximate it, in the energy norm
-LANCZOS, SAFETY = (
-    20,
-    1.1,
-)  # steps of Lanczos' method, which find most of the largest eigenvalue; beyond 1.05 of what is taken for it a polynomial would not be positive
+LANCZOS = 20  # steps, which find most of the largest eigenvalue
+SAFETY = 1.1  # on it: beyond 1 + 1/RATIO of what is taken for it the polynomial is not positive
 EXHAUSTED = 1e-20  # of r·D⁻¹r: there is nothing left
 DAMPING = 4 / 3  # of the step of Jacobi's method, over the largest eigenvalue
 
@@ -48,7 +45,7 @@ class Chebyshev:
     def _largest(self) -> float:
         """λ, by the tridiagonal matrix of conjugate gradients with D."""
         r = np.where(self.D_inverse > 0, np.random.default_rng(0).standard_normal(len(self.D_inverse)), 0)
-        found = ConjugateGradients(self.A.__matmul__, lambda r: self.D_inverse * self.exchange.Cumulated(r), r, partial(product, self.exchange))
+        found = ConjugateGradients(self.A.__matmul__, lambda r: self.D_inverse * self.exchange.Cumulated(r), r, self.exchange.Dot)
         first, steps, ratios = found.rz, [], []
         while len(steps) < LANCZOS and found.rz > EXHAUSTED * first:
             before = found.rz
@@ -147,7 +144,7 @@ class TwoLevel:
         r = np.where(others, self.A[:, [tip]].toarray().ravel(), 0)
         energy = self.exchange.Sum(float(self.A[tip, tip]))
         x, found = self.Begin(r)
-        energy -= self.Dot(r, x)
+        energy -= self.exchange.Dot(r, x)
         while found.size > TIP_ACCURACY * np.sqrt(max(energy - sum(found.gains), 0)) and found.positive and energy > sum(found.gains):
             found.Step()
         self.tip_iterations.append(len(found.gains))
@@ -175,19 +172,10 @@ class TwoLevel:
         x, left = self.smoother.Apply(r)
         return x + self.Coarse(left)
 
-    def Dot(self, additive: np.ndarray, consistent: np.ndarray) -> float:
-        """Their product, the same to the last bit on all processes."""
-        return product(self.exchange, additive, consistent)
-
     def Begin(self, r: np.ndarray) -> tuple[np.ndarray, ConjugateGradients]:
         """(what X gives, conjugate gradients for the rest) of A x = r, additive."""
         x = self.Coarse(r)
-        return x, ConjugateGradients(self.A.__matmul__, self.Apply, r - self.A @ x, self.Dot)
-
-
-def product(exchange: Exchange, additive: np.ndarray, consistent: np.ndarray) -> float:
-    """That of two vectors, the same to the last bit on all processes."""
-    return float(sum(exchange.Gather(float(additive @ consistent))))
+        return x, ConjugateGradients(self.A.__matmul__, self.Apply, r - self.A @ x, self.exchange.Dot)
 
 
 def factors_of(matrix: csr_matrix, border: np.ndarray, C: csr_matrix) -> Elimination:

@@ -9,7 +9,7 @@ from ngsolve import CELL, EDGE, H1, VERTEX, VOL, ElementId, NodeId
 
 from ..points import element_vertices
 from ..processes import Exchange
-from .keys import copies_of
+from .keys import TIP, copies_of
 from .unknowns import Unknowns, scalar_flags
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..share import Share
     from .crack_fespace import CrackFESpace
 
-TIP, FRONT = 3, 4  # beside the kinds of nodes
+FRONT = TIP + 1  # beside the kinds of nodes
 
 
 def exchange_of(V: CrackFESpace) -> Exchange:

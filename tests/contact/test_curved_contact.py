@@ -90,16 +90,20 @@ def test_exact_fields_around_an_arc():
     assert np.abs(found.by_radius[:, :, :3] - K).max() < 3e-6 * K[0] and np.abs(found.G - found.irwin).max() < 1e-6 * found.G.max()
 
 
-def test_smooth_fields_have_no_factors():
-    """With their body force and tractions, around a front that runs obliquely on a cylinder."""
+def smooth_field(normal):
+    """Of polynomials of degree 3 with their body force, and their tractions on faces with a normal."""
     X, Y, Z_ = x - 0.5, y - 0.5, z - 0.4
     u = (0.3 * X * X + 0.2 * X * Y + 0.5 * Z_ * Y + 0.1 * X * X * Y, 0.4 * X * Z_ - 0.1 * Y * Y + 0.2 * Z_ * Z_ * X, 0.3 * X * Y + 0.2 * Z_ * Z_ + 0.1 * Y**3)
     gradient = CF(tuple(c.Diff(v) for c in u for v in (x, y, z)), dims=(3, 3))
     stress = MATERIAL.mu * (gradient + gradient.trans) + MATERIAL.lam * Trace(gradient) * Id(3)
     force = CF(tuple(-sum(stress[i, j].Diff(v) for j, v in enumerate((x, y, z))) for i in range(3)))
+    return FrontField(gradient, traction=dict.fromkeys(("plus", "minus"), stress * normal), body_force=force)
+
+
+def test_smooth_fields_have_no_factors():
+    """With their body force and tractions, around a front that runs obliquely on a cylinder."""
     radius = sqrt((x - CENTRE[0]) ** 2 + (y - CENTRE[1]) ** 2)
-    traction = stress * CF(((x - CENTRE[0]) / radius, (y - CENTRE[1]) / radius, 0))
-    field = FrontField(gradient, traction=dict.fromkeys(("plus", "minus"), traction), body_force=force)
+    field = smooth_field(CF(((x - CENTRE[0]) / radius, (y - CENTRE[1]) / radius, 0)))
     found = front_factors(CrackedMesh(cube_mesh(0.1), ON_CYLINDER), field, MATERIAL, radius=0.19)
     assert np.abs([found.K_I, found.K_II, found.K_III, found.G]).max() < 1e-6
 
@@ -169,6 +173,19 @@ def test_an_arc_in_contact_is_that_of_the_plane():
     assert (errors[1] < [0.015, 0.035, 0.015]).all() and (errors[1] < 0.8 * errors[0]).all()
 
 
+def assert_drawn_and_kept(solution, profile, path):
+    """Both lips in pictures have the area of the sheet; pictures, VTK files and a file of the solution are made."""
+    split = SplitSolid(solution.body)
+    lips = split.points[split.lips]
+    areas = 0.5 * np.linalg.norm(np.cross(lips[:, 1] - lips[:, 0], lips[:, 2] - lips[:, 0]), axis=1)
+    assert areas[split.lip_side > 0].sum() == pytest.approx(profile.area.sum()) == pytest.approx(areas[split.lip_side < 0].sum())
+    for plot in (plot_body, plot_profile):
+        plot(solution)
+        plt.close("all")
+    solution.SaveVTK(path)
+    solution.Save(path.with_suffix(".solution"))
+
+
 def test_what_is_read_and_kept(tmp_path):
     """A table along the sheet, pictures open along it, VTK files, and a file of the solution."""
     solution = solid_solution(Coulomb(0.3), 0.12)
@@ -178,14 +195,6 @@ def test_what_is_read_and_kept(tmp_path):
     assert np.abs(radii - 0.9).max() < 5e-3 and (0 < profile.p_2).all() and (profile.p_2 < length).all() and np.allclose(profile.p_1, profile.z + 1)
     assert profile.area.sum() == pytest.approx(Integrate(1 * solution.body.dcrack, solution.body.mesh)) and set(profile.state) <= {"open", "stick", "slip"}
     assert np.abs(profile.slip_1).max() < 0.2 * np.abs(profile.slip_2).max()  # along the crack, but for errors of P1
-    split = SplitSolid(solution.body)
-    lips = split.points[split.lips]
-    areas = 0.5 * np.linalg.norm(np.cross(lips[:, 1] - lips[:, 0], lips[:, 2] - lips[:, 0]), axis=1)
-    assert areas[split.lip_side > 0].sum() == pytest.approx(profile.area.sum()) == pytest.approx(areas[split.lip_side < 0].sum())
-    for plot in (plot_body, plot_profile):
-        plot(solution)
-        plt.close("all")
-    solution.SaveVTK(tmp_path / "arc")
-    solution.Save(tmp_path / "arc.solution")
+    assert_drawn_and_kept(solution, profile, tmp_path / "arc")
     again = ContactSolution.Load(tmp_path / "arc.solution")
     assert np.array_equal(again.state.L, solution.state.L) and again.Energy() == pytest.approx(solution.Energy(), rel=1e-12)

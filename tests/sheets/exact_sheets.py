@@ -61,20 +61,24 @@ def polygon_area(points):
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
+def half(points, a, normal):
+    """The part of a polygon (n, 2) on the side of the line through a to which the normal points."""
+    d, kept = (points - a) @ normal, []
+    for i in range(len(points)):
+        j = (i + 1) % len(points)
+        if d[i] >= 0:
+            kept.append(points[i])
+        if d[i] * d[j] < 0:
+            kept.append(points[i] + d[i] / (d[i] - d[j]) * (points[j] - points[i]))
+    return np.array(kept).reshape(-1, 2)
+
+
 def clipped(points, convex):
     """The part of a polygon in a convex one, both counter-clockwise (Sutherland and Hodgman); of the right area if it falls apart."""
     for a, b in zip(convex, np.roll(convex, -1, axis=0)):
-        normal = np.array([a[1] - b[1], b[0] - a[0]])
-        d, kept = (points - a) @ normal, []
-        for i in range(len(points)):
-            j = (i + 1) % len(points)
-            if d[i] >= 0:
-                kept.append(points[i])
-            if d[i] * d[j] < 0:
-                kept.append(points[i] + d[i] / (d[i] - d[j]) * (points[j] - points[i]))
-        if len(kept) < 3:
+        points = half(points, a, np.array([a[1] - b[1], b[0] - a[0]]))
+        if len(points) < 3:
             return np.zeros((0, 2))
-        points = np.array(kept)
     return points
 
 

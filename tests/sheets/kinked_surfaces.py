@@ -1,7 +1,7 @@
 """Extruded polylines with kinks, at random and in special positions, and what they are in the unit cube."""
 
 import numpy as np
-from exact_sheets import axes_of
+from exact_sheets import axes_of, half, polygon_area
 
 from ngsxfem_contact import Crack
 from ngsxfem_contact.geometry import Sheet
@@ -31,23 +31,6 @@ def along_z(crack, start=-1, end=2):
     return Sheet.Extrude(crack, (0, 0, end - start), (0, 0, start))
 
 
-def clipped(polygon, origin, normal):
-    """The part of a polygon (n, 2) on the side of a line to which the normal points."""
-    found, d = [], (polygon - origin) @ normal
-    for i in range(len(polygon)):
-        j = (i + 1) % len(polygon)
-        if d[i] >= 0:
-            found.append(polygon[i])
-        if d[i] * d[j] < 0:
-            found.append(polygon[i] + d[i] / (d[i] - d[j]) * (polygon[j] - polygon[i]))
-    return np.array(found).reshape(-1, 2)
-
-
-def polygon_area(polygon):
-    (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
-    return 0.5 * abs(np.sum(x * v - y * u))
-
-
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
 
@@ -58,7 +41,7 @@ def area_and_volume(at, towards, turn):
         with np.errstate(divide="ignore"):
             length += min(max(a, b) for a, b in zip((0 - at) / d, (1 - at) / d))
     sign = 1 if turn > 0 else -1  # the side with the angle below 180°
-    inner = clipped(clipped(SQUARE, at, sign * left[0]), at, sign * left[1])
+    inner = half(half(SQUARE, at, sign * left[0]), at, sign * left[1])
     return length, polygon_area(inner) if turn > 0 else 1 - polygon_area(inner)
 
 
